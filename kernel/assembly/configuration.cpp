@@ -1,0 +1,130 @@
+#include "saltus/kernel/assembly/configuration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+
+namespace saltus {
+
+Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
+  q_.setZero(layout_->n);
+  gaps_.setZero(layout_->gaps);
+  local_.setZero(layout_->largest_contact);
+  mass_.assign(layout_->mass_entries, 0.0);
+  jacobians_.assign(layout_->jacobian_entries, 0.0);
+  has_jacobian_.assign(layout_->contacts.size(), 0);
+  factors_.resize(layout_->systems.size());
+  auto constant = std::make_shared<std::vector<SpdFactor>>(layout_->systems.size());
+  for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
+    const auto& system = layout_->systems[k];
+    if (!system.constant_mass) {
+      factors_[k].reserve(system.n);
+      continue;
+    }
+    OutMatrix M(mass_.data() + system.block, system.n, system.n);
+    system.model->mass({q_.data() + system.offset, system.n}, M);
+    require_mass(M, system.n, "mass of system " + std::to_string(k));
+    (*constant)[k].factorise_constant({M.data(), system.n, system.n});
+  }
+  constant_factors_ = std::move(constant);
+}
+
+void Configuration::move_without_gaps(const Vec& q) {
+  q_ = q;
+  factorised_ = false;
+  std::fill(has_jacobian_.begin(), has_jacobian_.end(), 0);
+}
+
+void Configuration::move_to(const Vec& q) {
+  move_without_gaps(q);
+  gaps_.setZero();
+  for (const auto& contact : layout_->contacts)
+    contact.relation->gap(local_position(contact), {gaps_.data() + contact.gap, contact.gaps});
+}
+
+bool Configuration::factorise() {
+  if (factorised_) return true;
+  for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
+    const auto& system = layout_->systems[k];
+    if (system.constant_mass) continue;
+    double* block = mass_.data() + system.block;
+    std::fill_n(block, static_cast<std::size_t>(system.n) * system.n, 0.0);
+    system.model->mass({q_.data() + system.offset, system.n}, {block, system.n, system.n});
+    if (!factors_[k].factorise({block, system.n, system.n})) return false;
+  }
+  factorised_ = true;
+  return true;
+}
+
+void Configuration::solve_mass(Vec& x) const {
+  for (std::size_t k = 0; k < layout_->systems.size(); ++k)
+    solve_mass(static_cast<int>(k), x.data() + layout_->systems[k].offset);
+}
+
+double Configuration::kinetic_energy(const Vec& v) const {
+  double twice = 0.0;
+  for (const auto& system : layout_->systems) {
+    const double* M = mass_.data() + system.block;
+    const double* w = v.data() + system.offset;
+    for (int i = 0; i < system.n; ++i, M += system.n) {
+      double sum = 0.0;
+      for (int j = 0; j < system.n; ++j) sum += M[j] * w[j];
+      twice += w[i] * sum;
+    }
+  }
+  return 0.5 * twice;
+}
+
+bool Configuration::closed(int contact) const {
+  const auto& slot = layout_->contacts[contact];
+  return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
+}
+
+double Configuration::penetration() const {
+  double deepest = 0.0;
+  for (const auto& contact : layout_->contacts)
+    if (!contact.law->bilateral) deepest = std::max(deepest, -gaps_[contact.gap]);
+  return deepest;
+}
+
+const double* Configuration::jacobian(int contact) {
+  const auto& slot = layout_->contacts[contact];
+  double* J = jacobians_.data() + slot.jacobian;
+  if (!has_jacobian_[contact]) {
+    std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
+    slot.relation->jacobian(local_position(slot), {J, slot.rows, slot.n});
+    has_jacobian_[contact] = 1;
+  }
+  return J;
+}
+
+void Configuration::relative_velocity(int contact, const Vec& v, double* gamma) {
+  const auto& slot = layout_->contacts[contact];
+  const double* J = jacobian(contact);
+  for (int i = 0; i < slot.rows; ++i) {
+    gamma[i] = 0.0;
+    for (int side = 0; side < slot.sides; ++side) {
+      const auto& system = layout_->systems[slot.system[side]];
+      for (int j = 0; j < system.n; ++j) gamma[i] += *J++ * v[system.offset + j];
+    }
+  }
+}
+
+In Configuration::local_position(const Layout::Contact& contact) {
+  const auto& first = layout_->systems[contact.system[0]];
+  if (contact.sides == 1) return {q_.data() + first.offset, first.n};
+  const auto& second = layout_->systems[contact.system[1]];
+  std::copy_n(q_.data() + first.offset, first.n, local_.data());
+  std::copy_n(q_.data() + second.offset, second.n, local_.data() + first.n);
+  return {local_.data(), contact.n};
+}
+
+void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h) {
+  h.setZero();
+  for (const auto& system : layout.systems)
+    system.model->forces(t, {q.data() + system.offset, system.n}, {v.data() + system.offset, system.n},
+                         {h.data() + system.offset, system.n});
+}
+
+}  // namespace saltus

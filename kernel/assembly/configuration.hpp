@@ -1,0 +1,62 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "saltus/kernel/assembly/layout.hpp"
+#include "saltus/numerics/linear/spd_factor.hpp"
+
+namespace saltus {
+
+/// Everything that depends on the position alone: gaps, M and its factor, Wᵀ. Gaps are evaluated by
+/// move_to(), M by factorise(), the Wᵀ of a contact when it is asked for; each once a position.
+class Configuration {
+ public:
+  /// @throws std::invalid_argument if a constant M is not symmetric positive definite
+  explicit Configuration(std::shared_ptr<const Layout> layout);
+
+  /// Moves to the position q (n) and evaluates all gaps.
+  void move_to(const Vec& q);
+  /// As move_to(), where only Wᵀ is wanted.
+  void move_without_gaps(const Vec& q);
+  const Vec& q() const { return q_; }
+
+  /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
+  bool factorise();
+  /// x <- M⁻¹ x for one system, x (n of it)
+  void solve_mass(int system, double* x) const { factor(system).solve(x); }
+  /// x <- M⁻¹ x, x (n)
+  void solve_mass(Vec& x) const;
+  /// ½ vᵀ M v [J]
+  double kinetic_energy(const Vec& v) const;
+
+  /// Gaps of all contacts (gaps) [m]
+  const Vec& gaps() const { return gaps_; }
+  /// Is the contact closed, g <= 0 (18)? Judged by position only, without tolerance.
+  bool closed(int contact) const;
+  /// Largest -g of the unilateral contacts, or 0 [m]
+  double penetration() const;
+
+  /// Wᵀ(q) of one contact, (rows, n of it), row by row
+  const double* jacobian(int contact);
+  /// γ = Wᵀ v of one contact. @param[out] gamma (rows) [m/s]
+  void relative_velocity(int contact, const Vec& v, double* gamma);
+
+ private:
+  In local_position(const Layout::Contact& contact);
+  const SpdFactor& factor(int system) const {
+    return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
+  }
+
+  std::shared_ptr<const Layout> layout_;
+  std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;  // shared by copies
+  Vec q_, gaps_, local_;
+  std::vector<double> mass_, jacobians_;
+  std::vector<SpdFactor> factors_;
+  std::vector<unsigned char> has_jacobian_;
+  bool factorised_ = false;
+};
+
+/// h(t, q, v) of all systems. @param[out] h (n)
+void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h);
+
+}  // namespace saltus

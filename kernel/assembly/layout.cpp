@@ -1,0 +1,35 @@
+#include "saltus/kernel/assembly/layout.hpp"
+
+#include <algorithm>
+
+namespace saltus {
+
+Layout::Layout(const NonSmoothDynamicalSystem& model) {
+  for (const auto& system : model.systems()) {
+    const int size = system->dimension();
+    systems.push_back({system.get(), n, size, mass_entries, system->constant_mass()});
+    n += size;
+    mass_entries += static_cast<std::size_t>(size) * size;
+  }
+  for (const auto& link : model.links()) {
+    Contact contact{};
+    contact.relation = &link.interaction->relation();
+    contact.law = &link.interaction->law();
+    contact.sides = link.second < 0 ? 1 : 2;
+    contact.system[0] = link.first;
+    contact.system[1] = link.second;
+    for (int side = 0; side < contact.sides; ++side) contact.n += systems[contact.system[side]].n;
+    contact.row = rows;
+    contact.rows = contact.law->size();
+    contact.gap = gaps;
+    contact.gaps = contact.law->gaps;
+    contact.jacobian = jacobian_entries;
+    contacts.push_back(contact);
+    rows += contact.rows;
+    gaps += contact.gaps;
+    largest_contact = std::max(largest_contact, contact.n);
+    jacobian_entries += static_cast<std::size_t>(contact.rows) * contact.n;
+  }
+}
+
+}  // namespace saltus

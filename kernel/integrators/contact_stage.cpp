@@ -1,0 +1,43 @@
+#include "saltus/kernel/integrators/contact_stage.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace saltus {
+
+ContactStage::ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& solver)
+    : assembly_(layout), solver_(&solver) {
+  // A problem with one contact stands for its law: solvers refuse laws, or too many contacts later.
+  for (const auto& contact : layout->contacts) {
+    ContactProblem one;
+    one.sets = contact.law->sets;
+    one.b = Vec(Vec::Zero(contact.rows));
+    one.G = Matrix(Matrix::Identity(contact.rows, contact.rows));
+    if (!solver.accepts(one))
+      throw std::invalid_argument("the contact solver '" + std::string(solver.name()) +
+                                  "' does not accept a law with " + std::to_string(contact.rows) +
+                                  " rows: friction in space is not among its sets");
+  }
+  P_.reserve(layout->rows);
+  solver.reserve(layout->rows);
+}
+
+bool ContactStage::solve(StepReport& report) {
+  const ContactProblem& problem = assembly_.problem();
+  if (problem.rows() == 0) return true;
+  if (!problem.b.view().allFinite()) {
+    report.status = StepStatus::not_finite;
+    return false;
+  }
+  SolveReport solved;
+  if (solver_->accepts(problem))
+    solved = solver_->solve(problem, P_.data());
+  else
+    solved.status = SolveStatus::breakdown;
+  report.solver_iterations += solved.iterations;
+  report.residual = std::max(report.residual, solved.certificate.residual);
+  if (solved.status != SolveStatus::solved) report.status = StepStatus::solver_failed;
+  return report.status == StepStatus::ok;
+}
+
+}  // namespace saltus

@@ -1,0 +1,29 @@
+#pragma once
+#include <memory>
+
+#include "saltus/kernel/assembly/contact_assembly.hpp"
+#include "saltus/kernel/integrators/one_step_integrator.hpp"
+
+namespace saltus {
+
+/// One contact problem of a step: assembly, solve and its entry in the step report.
+/// The steps of all schemes are made of these.
+class ContactStage {
+ public:
+  /// @throws std::invalid_argument if the solver does not accept the laws of all contacts
+  ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& solver);
+
+  ContactAssembly& assembly() { return assembly_; }
+  /// Impulses of the active contacts [N s]
+  PoolVec& P() { return P_; }
+  /// Solves the assembled problem for P, warm start in P.
+  /// @return false if the status in the report is no longer ok
+  bool solve(StepReport& report);
+
+ private:
+  ContactAssembly assembly_;
+  ContactSolver* solver_;
+  PoolVec P_;
+};
+
+}  // namespace saltus

@@ -1,0 +1,71 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "saltus/kernel/integrators/contact_stage.hpp"
+#include "saltus/kernel/integrators/half_explicit/tableau.hpp"
+
+namespace saltus {
+
+/// Which contacts carry stage multipliers.
+enum class Activity {
+  start,      ///< closed at the start of the step, (69)
+  predicted,  ///< closed at the predicted position, (77): corrupts impacts, kept to show it
+};
+
+/// All half-explicit schemes on velocity level: one row after the other, each an explicit stage whose
+/// multiplier puts the velocity constraint right at the row's own position; then the impact, if a
+/// contact has newly closed.
+class HalfExplicit final : public OneStepIntegrator {
+ public:
+  /// @param name  in the registry
+  /// @throws std::invalid_argument if the tableau is refused
+  HalfExplicit(std::string name, Tableau tableau, Activity activity);
+
+  std::string name() const override { return name_; }
+  void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
+  StepReport step(double dt, State& state, Reactions& reactions) override;
+  std::unique_ptr<OneStepIntegrator> clone() const override {
+    return std::make_unique<HalfExplicit>(name_, tableau_, activity_);
+  }
+
+ private:
+  struct Stage {
+    Vec v;             // velocity
+    Vec h;             // forces
+    Vec acceleration;  // M⁻¹h
+    Vec reaction;      // M⁻¹Wλ
+    Vec lambda;        // (rows of all contacts) [N]
+  };
+
+  void begin(const State& state, const Reactions& reactions);
+  bool row(int l, double dt, StepReport& report);
+  bool stage(int l, double t, double dt, StepReport& report);
+  bool impact(double dt, StepReport& report);
+  void position(const Matrix& A, int l, double dt);
+  void choose_closed(const Configuration& at);
+  bool newly_closed();
+  void take_work(double dt, StepReport& report);
+  double lambda_power(int k);
+  void commit(double dt, State& state, Reactions& reactions, StepReport& report);
+  Configuration& at(int l) { return configurations_[slot_[l]]; }
+
+  std::string name_;
+  Tableau tableau_;
+  Activity activity_;
+  int s_;                          // rows 1..s_, output s_+1
+  std::vector<bool> explicit_;     // per row: Ac = Aq, the constraint is taken at the row's own position
+  std::vector<bool> same_as_last_;  // per row: its position is that of the row before
+
+  std::shared_ptr<const Layout> layout_;
+  std::vector<Configuration> configurations_;
+  std::vector<int> slot_;  // per row 0..s_+1: which configuration
+  std::unique_ptr<Configuration> predicted_;
+  std::unique_ptr<ContactStage> contacts_;
+  std::vector<Stage> stages_;  // 0..s_+1
+  std::vector<int> active_;
+  Vec q_, gamma_, impulse_;
+};
+
+}  // namespace saltus

@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+
+#include "saltus/numerics/pool.hpp"
+
+namespace saltus {
+
+/// Coefficients of a half-explicit scheme with stages 0..s. Row l = 1..s stands at index l-1, the output
+/// is row s+1 at index s; column k belongs to stage k.
+///   where the constraint is taken   q_c = q_0 + Δt Σ_{k<l}  Ac_lk v_k
+///   velocity                        v_l = v_0 + Δt Σ_{k<l}  Av_lk M_k⁻¹(h_k + W_k λ_k)
+///   position                        q_l = q_0 + Δt Σ_{k<=l} Aq_lk v_k
+/// The output row's weights are b. A multiplier λ_{l-1} acts through Av_{l,l-1}.
+struct Tableau {
+  std::string name;
+  Matrix Ac, Av, Aq;  ///< (s+1, s+1)
+  Vec c;              ///< (s+1) times of the stages
+
+  int stages() const { return static_cast<int>(c.size()); }
+};
+
+/// The forecasting trapezoidal rule on velocity level (62)-(68), the same as (A.1)-(A.10).
+Tableau trapezoidal_tableau();
+
+/// @throws std::invalid_argument if shapes disagree, a row is not consistent (Σ_k Av_lk = c_l, Σ b = 1),
+///         or Av_{l,l-1} <= 0: complementarity would change its sign
+void validate(const Tableau& tableau);
+
+}  // namespace saltus

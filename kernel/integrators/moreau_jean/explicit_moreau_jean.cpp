@@ -1,0 +1,87 @@
+#include "saltus/kernel/integrators/moreau_jean/explicit_moreau_jean.hpp"
+
+#include <utility>
+
+namespace saltus {
+
+void ExplicitMoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
+  layout_ = std::make_shared<Layout>(model);
+  configurations_.assign(2, Configuration(layout_));
+  for (auto& configuration : configurations_) configuration.move_to(model.q0());
+  contacts_ = std::make_unique<ContactStage>(layout_, solver);
+  active_.reserve(layout_->contacts.size());
+  for (Vec* x : {&q_, &v_, &h_}) x->setZero(layout_->n);
+  for (Vec* x : {&gamma_before_, &gamma_free_}) x->setZero(layout_->rows);
+}
+
+StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reactions) {
+  StepReport report;
+  Configuration& start = configurations_[0];
+  Configuration& end = configurations_[1];
+  if (start.q() != state.q) start.move_to(state.q);
+  if (!start.factorise()) {
+    report.status = StepStatus::mass_not_positive_definite;
+    return report;
+  }
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
+    start.relative_velocity(k, state.v, gamma_before_.data() + layout_->contacts[k].row);
+  predict_active(dt);
+
+  q_ = state.q + dt * state.v;  // (29)
+  end.move_to(q_);
+  if (!end.factorise()) {
+    report.status = StepStatus::mass_not_positive_definite;
+    return report;
+  }
+  evaluate_forces(*layout_, state.t, state.q, state.v, h_);
+  report.work_forces = dt * h_.dot(state.v);
+  start.solve_mass(h_);
+  v_ = state.v + dt * h_;
+  if (contact_impulses(reactions, report)) commit(dt, state, reactions, report);
+  return report;
+}
+
+// (33): contacts that half a step of free motion would close
+void ExplicitMoreauJean::predict_active(double dt) {
+  active_.clear();
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
+    const auto& contact = layout_->contacts[k];
+    const double gap = configurations_[0].gaps()[contact.gap];
+    if (contact.law->bilateral || gap + 0.5 * dt * gamma_before_[contact.row] <= 0.0) active_.push_back(k);
+  }
+}
+
+// Λ from (31)-(32) and v⁺ from (30)
+bool ExplicitMoreauJean::contact_impulses(const Reactions& reactions, StepReport& report) {
+  Configuration& end = configurations_[1];
+  ContactAssembly& assembly = contacts_->assembly();
+  assembly.assemble(active_, end, end);
+  assembly.set_b(end, v_);
+  assembly.scatter(assembly.problem().b, 1.0, gamma_free_);
+  assembly.add_restitution(gamma_before_);
+  assembly.gather(reactions.impulse, 1.0, contacts_->P());
+  if (!contacts_->solve(report)) return false;
+  assembly.apply(1.0, contacts_->P().data(), v_);
+  report.work_impulse = assembly.work(contacts_->P(), gamma_free_);
+  return true;
+}
+
+void ExplicitMoreauJean::commit(double dt, State& state, Reactions& reactions, StepReport& report) {
+  Configuration& end = configurations_[1];
+  if (!v_.allFinite() || !q_.allFinite()) {
+    report.status = StepStatus::not_finite;
+    return;
+  }
+  report.impulsive = !active_.empty();
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) report.closed += end.closed(k);
+  report.penetration = end.penetration();
+  report.kinetic_energy = end.kinetic_energy(v_);
+  state.t += dt;
+  state.q = q_;
+  state.v = v_;
+  reactions.impulse.setZero();
+  contacts_->assembly().scatter(contacts_->P(), 1.0, reactions.impulse);
+  std::swap(configurations_[0], configurations_[1]);
+}
+
+}  // namespace saltus

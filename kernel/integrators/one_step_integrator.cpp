@@ -1,0 +1,21 @@
+#include "saltus/kernel/integrators/one_step_integrator.hpp"
+
+namespace saltus {
+
+void Reactions::set_zero(int rows) {
+  lambda_plus.setZero(rows);
+  lambda_minus.setZero(rows);
+  impulse.setZero(rows);
+}
+
+std::string_view to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::ok: return "ok";
+    case StepStatus::solver_failed: return "the contact solver found no impulses that satisfy the contact laws";
+    case StepStatus::mass_not_positive_definite: return "the mass matrix is not positive definite";
+    case StepStatus::not_finite: break;
+  }
+  return "the velocities are not finite";
+}
+
+}  // namespace saltus

@@ -1,0 +1,67 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "saltus/kernel/model/nonsmooth_dynamical_system.hpp"
+#include "saltus/numerics/contact_solver.hpp"
+
+namespace saltus {
+
+/// What a run carries from step to step.
+struct State {
+  double t = 0.0;  ///< [s]
+  Vec q;           ///< (n)
+  Vec v;           ///< (n) right limit v⁺
+};
+
+/// Contact forces and impulses of one step, at full size: rows of contacts that are open are zero.
+struct Reactions {
+  Vec lambda_plus;   ///< (rows) λ⁺ at the start of the step [N]
+  Vec lambda_minus;  ///< (rows) λ⁻ at its end [N]
+  Vec impulse;       ///< (rows) Λ at its end [N s]
+
+  void set_zero(int rows);
+};
+
+enum class StepStatus {
+  ok,
+  solver_failed,               ///< no impulses that satisfy the laws were found
+  mass_not_positive_definite,  ///< M(q) cannot be factorised
+  not_finite,                  ///< NaN or infinity in velocities: the motion diverges
+};
+
+/// A sentence without full stop.
+std::string_view to_string(StepStatus status);
+
+/// What one step says about itself.
+struct StepReport {
+  StepStatus status = StepStatus::ok;
+  bool impulsive = false;         ///< the impact law was applied
+  int closed = 0;                 ///< closed contacts at the end of the step, bilateral ones included
+  int solver_iterations = 0;      ///< over all contact problems of the step
+  double residual = 0.0;          ///< largest certificate of the step [m/s]
+  double penetration = 0.0;       ///< largest -g of the unilateral contacts at the end [m]
+  double kinetic_energy = 0.0;    ///< at the end [J]
+  double work_forces = 0.0;       ///< of h over the step, by the scheme's quadrature [J]
+  double work_lambda = 0.0;       ///< of λ⁺, λ⁻ likewise [J]
+  double work_impulse = 0.0;      ///< of Λ: exactly the jump of the kinetic energy [J]
+};
+
+/// A one-step scheme: takes a state from t to t + dt.
+class OneStepIntegrator {
+ public:
+  virtual ~OneStepIntegrator() = default;
+  /// Name in the registry.
+  virtual std::string name() const = 0;
+  /// Sizes every workspace: step() then allocates nothing. The model and the solver must outlive it.
+  /// @throws std::invalid_argument if the scheme cannot integrate the model, saying why
+  virtual void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) = 0;
+  /// One step. If the report's status is not ok, state and reactions are as before.
+  /// @param reactions  in: of the step before, or zero (warm start); out: of this one
+  virtual StepReport step(double dt, State& state, Reactions& reactions) = 0;
+  /// The same scheme with a workspace of its own.
+  virtual std::unique_ptr<OneStepIntegrator> clone() const = 0;
+};
+
+}  // namespace saltus

@@ -1,0 +1,77 @@
+#include "saltus/kernel/integrators/registry.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
+#include "saltus/kernel/integrators/moreau_jean/explicit_moreau_jean.hpp"
+
+namespace saltus {
+namespace {
+
+std::unique_ptr<OneStepIntegrator> make_trapezoidal(const Options& options) {
+  const bool predicted = options.at("activity") == "predicted";
+  return std::make_unique<HalfExplicit>("HalfExplicitTrapezoidalOSI", trapezoidal_tableau(),
+                                        predicted ? Activity::predicted : Activity::start);
+}
+
+const SchemeOption activity_option = {
+    "activity",
+    {"start", "predicted"},
+    "contacts that carry λ⁺: closed at the start of the step (69), or at the predicted position (77), "
+    "which corrupts impacts"};
+
+std::string join(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all.empty() ? "none" : all;
+}
+
+Options complete(const IntegratorEntry& entry, const Options& given) {
+  Options all;
+  std::vector<std::string> known;
+  for (const SchemeOption& option : entry.options) {
+    known.push_back(option.name);
+    all[option.name] = option.choices.front();
+  }
+  for (const auto& [name, value] : given) {
+    const auto option = std::find_if(entry.options.begin(), entry.options.end(),
+                                     [&, &key = name](const SchemeOption& o) { return o.name == key; });
+    if (option == entry.options.end())
+      throw std::invalid_argument(entry.name + " has no option '" + name + "', its options: " + join(known));
+    if (std::find(option->choices.begin(), option->choices.end(), value) == option->choices.end())
+      throw std::invalid_argument(entry.name + ": " + name + " must be one of " + join(option->choices) +
+                                  ", got '" + value + "'");
+    all[name] = value;
+  }
+  return all;
+}
+
+}  // namespace
+
+const std::vector<IntegratorEntry>& integrators() {
+  static const std::vector<IntegratorEntry> table = {
+      {.name = "ExplicitMoreauJeanOSI",
+       .summary = "classic explicit Moreau-Jean scheme (29)-(33), every contact force an impulse",
+       .options = {},
+       .properties = {},
+       .make = [](const Options&) { return std::make_unique<ExplicitMoreauJean>(); }},
+      {.name = "HalfExplicitTrapezoidalOSI",
+       .summary = "forecasting trapezoidal rule on velocity level (62)-(72), forces and impulses told apart",
+       .options = {activity_option},
+       .properties = {.order_free = 2, .order_bilateral = 2, .order_sliding = 2, .forces_at_rest = true},
+       .make = make_trapezoidal},
+  };
+  return table;
+}
+
+std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options) {
+  std::vector<std::string> known;
+  for (const IntegratorEntry& entry : integrators()) {
+    if (entry.name == name) return entry.make(complete(entry, options));
+    known.push_back(entry.name);
+  }
+  throw std::invalid_argument("no integrator named '" + std::string(name) + "', there are " + join(known));
+}
+
+}  // namespace saltus

@@ -1,0 +1,45 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "saltus/kernel/integrators/one_step_integrator.hpp"
+
+namespace saltus {
+
+/// What holds for a scheme, checked by the conformance tests of the registry.
+struct SchemeProperties {
+  bool friction = true;            ///< takes laws with friction
+  int order_free = 1;              ///< in q and v, free flight
+  int order_bilateral = 1;         ///< under bilateral constraints
+  int order_sliding = 1;           ///< in persistent sliding contact with friction
+  bool forces_at_rest = false;     ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
+};
+
+/// One option of a scheme: a word out of some.
+struct SchemeOption {
+  std::string name;
+  std::vector<std::string> choices;  ///< the first is the default
+  std::string meaning;
+};
+
+using Options = std::map<std::string, std::string>;
+
+/// One line of the table of integrators. Tests, Python and the command line iterate it.
+struct IntegratorEntry {
+  std::string name;
+  std::string summary;
+  std::vector<SchemeOption> options;
+  SchemeProperties properties;
+  std::function<std::unique_ptr<OneStepIntegrator>(const Options&)> make;  ///< every option is given
+};
+
+const std::vector<IntegratorEntry>& integrators();
+
+/// @throws std::invalid_argument if there is no such integrator, option or choice, naming those there are
+std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options = {});
+
+}  // namespace saltus

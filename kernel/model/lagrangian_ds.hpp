@@ -1,0 +1,35 @@
+#pragma once
+
+#include "saltus/numerics/pool.hpp"
+
+namespace saltus {
+
+/// A mechanical system in generalised coordinates: q̇ = v, M(q) v̇ = h(t, q, v) + W λ, (1)-(2).
+/// Derive from it and implement mass() and forces(); both write into storage that starts as zero.
+class LagrangianDS {
+ public:
+  /// @param q0  (n) initial position
+  /// @param v0  (n) initial velocity
+  /// @throws std::invalid_argument if the sizes differ, are zero, or a value is not finite
+  LagrangianDS(Vec q0, Vec v0);
+  virtual ~LagrangianDS() = default;
+
+  int dimension() const { return static_cast<int>(q0_.size()); }
+  const Vec& q0() const { return q0_; }
+  const Vec& v0() const { return v0_; }
+
+  /// M(q), symmetric positive definite. @param[out] M (n, n) [kg, kg m, kg m²]
+  virtual void mass(const In& q, OutMatrix M) const = 0;
+  /// The right-hand side h(t, q, v) of (2): every force but those of the interactions.
+  /// @param[out] h (n) [N, N m]
+  virtual void forces(double t, const In& q, const In& v, Out h) const = 0;
+  /// True if M does not depend on q: it is then evaluated and factorised once.
+  virtual bool constant_mass() const { return false; }
+  /// Potential energy of the forces in h [J], NaN if unknown. Only reported, never integrated.
+  virtual double potential_energy(const In& q) const;
+
+ private:
+  Vec q0_, v0_;
+};
+
+}  // namespace saltus

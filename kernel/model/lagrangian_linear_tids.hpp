@@ -1,0 +1,40 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "saltus/kernel/model/lagrangian_ds.hpp"
+
+namespace saltus {
+
+/// Linear time-invariant system: M v̇ + C v + K q = f + W λ.
+class LagrangianLinearTIDS final : public LagrangianDS {
+ public:
+  /// What is left out is zero.
+  struct Terms {
+    std::optional<Matrix> stiffness;    ///< K (n, n) [N/m]
+    std::optional<Matrix> damping;      ///< C (n, n) [N s/m]
+    std::optional<Vec> external_force;  ///< f (n) [N]
+  };
+
+  /// @param mass  M (n, n), symmetric positive definite
+  /// @throws std::invalid_argument if a shape is wrong, a value is not finite, or M is not symmetric
+  ///         positive definite
+  LagrangianLinearTIDS(Vec q0, Vec v0, Matrix mass, Terms terms);
+  LagrangianLinearTIDS(Vec q0, Vec v0, Matrix mass)
+      : LagrangianLinearTIDS(std::move(q0), std::move(v0), std::move(mass), Terms{}) {}
+
+  void mass(const In& q, OutMatrix M) const override;
+  void forces(double t, const In& q, const In& v, Out h) const override;
+  bool constant_mass() const override { return true; }
+  /// ½ qᵀKq − fᵀq
+  double potential_energy(const In& q) const override;
+
+ private:
+  Matrix mass_;
+  Terms terms_;
+};
+
+/// @throws std::invalid_argument naming `what` unless M is a finite symmetric positive definite (n, n)
+void require_mass(const Matrix& M, int n, const std::string& what);
+
+}  // namespace saltus

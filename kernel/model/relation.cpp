@@ -1,0 +1,44 @@
+#include "saltus/kernel/model/relation.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace saltus {
+
+Relation::Relation(int size) : size_(size) {
+  if (size < 1) throw std::invalid_argument("relation size must be at least 1, got " + std::to_string(size));
+}
+
+void Relation::curvature(const In&, const In&, Out) const {
+  throw std::logic_error("this relation has no curvature term, which schemes on acceleration level need");
+}
+
+LagrangianLinearTIR::LagrangianLinearTIR(Matrix H, Vec b)
+    : Relation(static_cast<int>(H.rows())), H_(std::move(H)), b_(std::move(b)) {
+  if (b_.size() != H_.rows())
+    throw std::invalid_argument("b must have " + std::to_string(H_.rows()) + " entries as H has rows, got " +
+                                std::to_string(b_.size()));
+  if (!H_.allFinite()) throw std::invalid_argument("H must be finite, got NaN or infinity");
+  if (!b_.allFinite()) throw std::invalid_argument("b must be finite, got NaN or infinity");
+}
+
+LagrangianLinearTIR::LagrangianLinearTIR(Matrix H) : LagrangianLinearTIR(H, Vec::Zero(H.rows())) {}
+
+void LagrangianLinearTIR::require_dimension(int n) const {
+  if (H_.cols() != n)
+    throw std::invalid_argument("H must have " + std::to_string(n) +
+                                " columns as the linked systems have freedoms, got " +
+                                std::to_string(H_.cols()));
+}
+
+void LagrangianLinearTIR::gap(const In& q, Out g) const {
+  const auto rows = g.size();
+  g.noalias() = H_.topRows(rows) * q;
+  g += b_.head(rows);
+}
+
+void LagrangianLinearTIR::jacobian(const In&, OutMatrix J) const { J = H_; }
+
+void LagrangianLinearTIR::curvature(const In&, const In&, Out) const {}
+
+}  // namespace saltus

@@ -1,0 +1,150 @@
+#include "saltus/kernel/simulation/time_stepping.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/numerics/solvers/registry.hpp"
+
+namespace saltus {
+namespace {
+
+constexpr double until_tolerance = 1e-12;
+constexpr long progress_interval = 512;
+
+std::string describe(double time, long step, const std::vector<std::string>& contacts,
+                     const StepReport& report) {
+  char text[160];
+  std::snprintf(text, sizeof text, "step %ld from t = %.9g s failed: ", step, time);
+  std::string message = text + std::string(to_string(report.status));
+  std::snprintf(text, sizeof text, " (residual %.3g m/s; closed contacts: ", report.residual);
+  message += text;
+  for (std::size_t k = 0; k < contacts.size() && k < 8; ++k) message += (k ? ", " : "") + contacts[k];
+  if (contacts.empty()) message += "none";
+  if (contacts.size() > 8) message += ", ... " + std::to_string(contacts.size()) + " in all";
+  return message + ")";
+}
+
+double require_time_step(double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw std::invalid_argument("time_step must be positive and finite, got " + std::to_string(dt));
+  return dt;
+}
+
+}  // namespace
+
+SimulationError::SimulationError(double time, long step, std::vector<std::string> contacts,
+                                 const StepReport& report)
+    : std::runtime_error(describe(time, step, contacts, report)),
+      time_(time),
+      step_(step),
+      contacts_(std::move(contacts)),
+      report_(report) {}
+
+TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator,
+                           double time_step, const ContactSolver& solver)
+    : model_(model),
+      integrator_(integrator.clone()),
+      solver_(solver.clone()),
+      dt_(require_time_step(time_step)),
+      state_{model.t0(), model.q0(), model.v0()},
+      layout_(std::make_shared<Layout>(model_)),
+      view_(layout_),
+      velocities_(Vec::Zero(layout_->rows)) {
+  reactions_.set_zero(layout_->rows);
+  check_start();
+  integrator_->prepare(model_, *solver_);
+}
+
+TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator,
+                           double time_step)
+    : TimeStepping(model, integrator, time_step, *make_contact_solver("auto")) {}
+
+// What the model says at t0 must make sense before the first step: a NaN found later names no culprit.
+void TimeStepping::check_start() {
+  for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
+    const auto& system = layout_->systems[k];
+    const std::string who = " of system " + std::to_string(k);
+    const In q(state_.q.data() + system.offset, system.n);
+    const In v(state_.v.data() + system.offset, system.n);
+    Matrix M = Matrix::Zero(system.n, system.n);
+    system.model->mass(q, {M.data(), system.n, system.n});
+    require_mass(M, system.n, "mass" + who + " at t0");
+    Vec h = Vec::Zero(system.n);
+    system.model->forces(state_.t, q, v, {h.data(), system.n});
+    if (!h.allFinite()) throw std::invalid_argument("forces" + who + " at t0 must be finite, got NaN or infinity");
+  }
+  view_.move_to(state_.q);
+  view_.factorise();
+  report_.kinetic_energy = view_.kinetic_energy(state_.v);
+  report_.penetration = view_.penetration();
+  for (std::size_t k = 0; k < layout_->contacts.size(); ++k) {
+    const auto& contact = layout_->contacts[k];
+    const int index = static_cast<int>(k);
+    const std::string who = " of '" + model_.links()[k].name + "' at t0 must be finite, got NaN or infinity";
+    report_.closed += view_.closed(index);
+    if (!view_.gaps().segment(contact.gap, contact.gaps).allFinite())
+      throw std::invalid_argument("gap" + who);
+    if (!InMatrix(view_.jacobian(index), contact.rows, contact.n).allFinite())
+      throw std::invalid_argument("jacobian" + who);
+  }
+}
+
+void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
+  if (!observer) throw std::invalid_argument("add_observer needs an observer, got none");
+  if (step_ == 0) {
+    look();
+    show(*observer);
+  }
+  observers_.push_back(std::move(observer));
+}
+
+void TimeStepping::run(double until) {
+  if (!std::isfinite(until))
+    throw std::invalid_argument("until must be finite, got " + std::to_string(until));
+  const double last = until + until_tolerance * std::abs(until);
+  while (model_.t0() + (step_ + 1) * dt_ <= last) {
+    step();
+    if (progress_ && step_ % progress_interval == 0) progress_(state_.t);
+  }
+}
+
+const StepReport& TimeStepping::step() {
+  const StepReport report = integrator_->step(dt_, state_, reactions_);
+  if (report.status != StepStatus::ok) fail(report);
+  report_ = report;
+  ++step_;
+  state_.t = model_.t0() + step_ * dt_;  // not the sum of many roundings
+  bool looked = false;
+  for (const auto& observer : observers_) {
+    if (!observer->wants(step_, report_)) continue;
+    if (!looked) look();
+    looked = true;
+    show(*observer);
+  }
+  return report_;
+}
+
+// Gaps, relative velocities and potential energy at the present state
+void TimeStepping::look() {
+  view_.move_to(state_.q);
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
+    view_.relative_velocity(k, state_.v, velocities_.data() + layout_->contacts[k].row);
+  potential_energy_ = 0.0;
+  for (const auto& system : layout_->systems)
+    potential_energy_ += system.model->potential_energy({state_.q.data() + system.offset, system.n});
+}
+
+void TimeStepping::show(Observer& observer) {
+  observer.observe({step_, state_, view_.gaps(), velocities_, reactions_, report_, potential_energy_});
+}
+
+void TimeStepping::fail(const StepReport& report) {
+  view_.move_to(state_.q);
+  std::vector<std::string> contacts;
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
+    if (view_.closed(k)) contacts.push_back(model_.links()[k].name);
+  throw SimulationError(state_.t, step_ + 1, std::move(contacts), report);
+}
+
+}  // namespace saltus

@@ -1,0 +1,83 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "saltus/kernel/assembly/configuration.hpp"
+#include "saltus/kernel/simulation/observer.hpp"
+
+namespace saltus {
+
+/// A step that could not be taken. The run up to it is kept, in the simulation and its observers.
+class SimulationError : public std::runtime_error {
+ public:
+  SimulationError(double time, long step, std::vector<std::string> contacts, const StepReport& report);
+  double time() const { return time_; }  ///< start of the step that failed [s]
+  long step() const { return step_; }    ///< its number
+  const std::vector<std::string>& contacts() const { return contacts_; }  ///< closed at its start
+  const StepReport& report() const { return report_; }
+
+ private:
+  double time_;
+  long step_;
+  std::vector<std::string> contacts_;
+  StepReport report_;
+};
+
+/// Event-capturing simulation with fixed steps: t_k = t0 + k Δt.
+class TimeStepping {
+ public:
+  /// @param model      copied: interactions linked later are not seen
+  /// @param time_step  Δt > 0 [s]
+  /// @throws std::invalid_argument if Δt is not positive and finite, the integrator or the solver cannot
+  ///         take the model, or the model is not finite at t0
+  TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator, double time_step,
+               const ContactSolver& solver);
+  /// With the solver "auto".
+  TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator, double time_step);
+
+  /// Shows row 0 now, if no step was taken yet, and every row from now on.
+  void add_observer(std::shared_ptr<Observer> observer);
+  /// Called every few hundred steps with the time; what it throws ends the run between two steps.
+  void set_progress(std::function<void(double)> progress) { progress_ = std::move(progress); }
+
+  /// Takes all steps with t_k <= until (1 + 1e-12), never a shortened one.
+  /// @throws SimulationError if a step fails, std::invalid_argument if until is not finite
+  void run(double until);
+  /// Takes one step. @throws SimulationError
+  const StepReport& step();
+
+  const NonSmoothDynamicalSystem& model() const { return model_; }
+  const OneStepIntegrator& integrator() const { return *integrator_; }
+  const ContactSolver& solver() const { return *solver_; }
+  double time_step() const { return dt_; }
+  long steps() const { return step_; }
+  const State& state() const { return state_; }
+  const Reactions& reactions() const { return reactions_; }
+  const StepReport& report() const { return report_; }
+
+ private:
+  void check_start();
+  void show(Observer& observer);
+  void look();
+  [[noreturn]] void fail(const StepReport& report);
+
+  NonSmoothDynamicalSystem model_;
+  std::unique_ptr<OneStepIntegrator> integrator_;
+  std::unique_ptr<ContactSolver> solver_;
+  double dt_;
+  long step_ = 0;
+  State state_;
+  Reactions reactions_;
+  StepReport report_;
+  std::vector<std::shared_ptr<Observer>> observers_;
+  std::function<void(double)> progress_;
+  std::shared_ptr<const Layout> layout_;
+  Configuration view_;  // where gaps and velocities of recorded rows are evaluated
+  Vec velocities_;
+  double potential_energy_ = 0.0;
+};
+
+}  // namespace saltus

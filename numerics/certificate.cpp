@@ -1,0 +1,67 @@
+#include "saltus/numerics/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace saltus {
+namespace {
+
+double tangential_residual(double d, double radius, const double* P, const double* xi, int count) {
+  double arg[2] = {0.0, 0.0};
+  double length = 0.0;
+  for (int k = 0; k < count; ++k) {
+    arg[k] = d * P[k] - xi[k];
+    length = std::hypot(length, arg[k]);
+  }
+  const double shrink = length > radius ? radius / length : 1.0;  // proj_{C_T}, (34)-(35)
+  double residual = 0.0;
+  for (int k = 0; k < count; ++k) residual = std::hypot(residual, d * P[k] - shrink * arg[k]);
+  return residual;
+}
+
+}  // namespace
+
+double contact_scale(const PoolMatrix& G, int row, int rows) {
+  double d = 0.0;
+  for (int k = row; k < row + rows; ++k) d = std::max(d, std::abs(G(k, k)));
+  return d > 0.0 ? d : 1.0;
+}
+
+Certificate certify(const ContactProblem& problem, const double* P, double* xi) {
+  const int rows = problem.rows();
+  Certificate certificate;
+  for (int i = 0; i < rows; ++i) {
+    const double* G = problem.G.row(i);
+    double sum = problem.b[i];
+    double size = std::abs(sum);
+    for (int j = 0; j < rows; ++j) {
+      sum += G[j] * P[j];
+      size += std::abs(G[j] * P[j]);
+    }
+    xi[i] = sum;
+    certificate.scale = std::max(certificate.scale, size);
+  }
+  // A NaN must not get lost in std::max: it is remembered by !(x <= y).
+  auto take = [&](double value) {
+    if (!(value <= certificate.residual)) certificate.residual = value;
+  };
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    const int count = rows_of(set);
+    if (std::holds_alternative<Equality>(set)) {
+      take(std::abs(xi[row]));
+    } else {
+      const double d = contact_scale(problem.G, row, count);
+      take(std::abs(std::min(xi[row], d * P[row])));
+      if (std::isnan(xi[row] + P[row])) take(xi[row] + P[row]);
+      if (const auto* law = std::get_if<Coulomb>(&set)) {
+        const double radius = law->mu * d * std::max(P[row], 0.0);
+        take(tangential_residual(d, radius, P + row + 1, xi + row + 1, count - 1));
+      }
+    }
+    row += count;
+  }
+  return certificate;
+}
+
+}  // namespace saltus

@@ -1,0 +1,42 @@
+#pragma once
+#include <variant>
+#include <vector>
+
+#include "saltus/numerics/pool.hpp"
+
+namespace saltus {
+
+/// xi = 0, P free. One row.
+struct Equality {};
+/// 0 <= xi, 0 <= P, xi P = 0, the rows of (6), (31), (69). One row.
+struct NonNegative {};
+/// Coulomb's law: the first row is NonNegative, the other dim-1 rows are tangential with
+/// |P_T| <= mu P_N, and P_T = -mu P_N xi_T/|xi_T| where xi_T != 0, (7), (32), (35), (70).
+struct Coulomb {
+  double mu = 0.0;  ///< friction coefficient [-]
+  int dim = 2;      ///< 2 (plane) or 3 (space): number of rows
+};
+using ContactSet = std::variant<Equality, NonNegative, Coulomb>;
+
+/// Number of rows that a set takes.
+inline int rows_of(const ContactSet& set) {
+  const auto* coulomb = std::get_if<Coulomb>(&set);
+  return coulomb ? coulomb->dim : 1;
+}
+
+/// Find P such that xi = G P + b, and each contact's law holds between xi and P.
+/// G may be unsymmetric (half-explicit rows take W at two positions) and rank-deficient.
+struct ContactProblem {
+  PoolMatrix G;                  ///< (rows, rows) [1/kg] in mechanics
+  PoolVec b;                     ///< (rows) [m/s]
+  std::vector<ContactSet> sets;  ///< in the order of the rows
+
+  int rows() const { return b.size(); }
+  int contacts() const { return static_cast<int>(sets.size()); }
+};
+
+/// @throws std::invalid_argument if the sizes of G, b and the sets disagree, a set is not a set
+///         (mu < 0, dim not 2 or 3) or a value is not finite
+void validate(const ContactProblem& problem);
+
+}  // namespace saltus

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <string_view>
+
+#include "saltus/numerics/certificate.hpp"
+
+namespace saltus {
+
+enum class SolveStatus {
+  solved,           ///< the certificate is within the tolerance
+  iteration_limit,  ///< it is not, and the iterations are used up
+  breakdown,        ///< it is not, and the method knows no further step
+};
+
+/// "solved", "iteration-limit" or "breakdown".
+std::string_view to_string(SolveStatus status);
+
+/// The default bound on residual/scale of a Certificate, the paper's 1e-12 (Section 5).
+inline constexpr double default_tolerance = 1e-12;
+
+struct SolveReport {
+  SolveStatus status = SolveStatus::solved;
+  int iterations = 0;
+  Certificate certificate;   ///< of the P that came out, computed outside the method
+  std::string_view solver;   ///< name of the method that answered
+};
+
+/// Finds P with xi = G P + b and every contact's law between xi and P.
+class ContactSolver {
+ public:
+  virtual ~ContactSolver() = default;
+  /// Name in the registry.
+  virtual std::string_view name() const = 0;
+  /// Can this method take the problem at all? One that it does not accept must not be passed to solve().
+  virtual bool accepts(const ContactProblem& problem) const = 0;
+  /// Sizes the workspace: problems of up to this many rows are then solved without allocation.
+  virtual void reserve(int rows) = 0;
+  /// @param[in,out] P  (rows) [N s]; in: warm start, out: solution, or the best P that was found
+  virtual SolveReport solve(const ContactProblem& problem, double* P) = 0;
+  /// A solver with the same settings and a workspace of its own.
+  virtual std::unique_ptr<ContactSolver> clone() const = 0;
+};
+
+}  // namespace saltus

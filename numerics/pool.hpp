@@ -1,0 +1,70 @@
+#pragma once
+// Arrays that change size in every step without touching the heap.
+#include <Eigen/Core>
+#include <vector>
+
+namespace saltus {
+
+/// Vectors and matrices of the whole library: double, matrices row by row, as numpy stores them.
+using Vec = Eigen::VectorXd;
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Views of contiguous storage: what models read and write.
+using In = Eigen::Map<const Vec>;
+using Out = Eigen::Map<Vec>;
+using InMatrix = Eigen::Map<const Matrix>;
+using OutMatrix = Eigen::Map<Matrix>;
+
+/// A vector whose storage only grows: resizing within the reserved size allocates nothing.
+class PoolVec {
+ public:
+  PoolVec() = default;
+  PoolVec(const Vec& values) : data_(values.data(), values.data() + values.size()) {}
+
+  void reserve(int size) { data_.reserve(size); }
+  /// Contents are unspecified afterwards where the size changed.
+  void resize(int size) { data_.resize(size); }
+  int size() const { return static_cast<int>(data_.size()); }
+  double* data() { return data_.data(); }
+  const double* data() const { return data_.data(); }
+  double& operator[](int i) { return data_[i]; }
+  double operator[](int i) const { return data_[i]; }
+  Out view() { return {data_.data(), size()}; }
+  In view() const { return {data_.data(), size()}; }
+
+ private:
+  std::vector<double> data_;
+};
+
+/// A row-major matrix whose storage only grows.
+class PoolMatrix {
+ public:
+  PoolMatrix() = default;
+  PoolMatrix(const Matrix& values)
+      : rows_(static_cast<int>(values.rows())),
+        cols_(static_cast<int>(values.cols())),
+        data_(values.data(), values.data() + values.size()) {}
+
+  void reserve(int rows, int cols) { data_.reserve(static_cast<std::size_t>(rows) * cols); }
+  /// Contents are unspecified afterwards where the size changed.
+  void resize(int rows, int cols) {
+    data_.resize(static_cast<std::size_t>(rows) * cols);
+    rows_ = rows;
+    cols_ = cols;
+  }
+  int rows() const { return rows_; }
+  int cols() const { return cols_; }
+  double* row(int i) { return data_.data() + static_cast<std::size_t>(i) * cols_; }
+  const double* row(int i) const { return data_.data() + static_cast<std::size_t>(i) * cols_; }
+  double& operator()(int i, int j) { return row(i)[j]; }
+  double operator()(int i, int j) const { return row(i)[j]; }
+  OutMatrix view() { return {data_.data(), rows_, cols_}; }
+  InMatrix view() const { return {data_.data(), rows_, cols_}; }
+
+ private:
+  int rows_ = 0;
+  int cols_ = 0;
+  std::vector<double> data_;
+};
+
+}  // namespace saltus

@@ -1,0 +1,36 @@
+#include "saltus/numerics/solvers/registry.hpp"
+
+#include <stdexcept>
+
+#include "saltus/numerics/solvers/automatic.hpp"
+
+namespace saltus {
+namespace {
+
+template <class Solver>
+std::unique_ptr<ContactSolver> make() {
+  return std::make_unique<Solver>();
+}
+
+}  // namespace
+
+const std::vector<SolverEntry>& contact_solvers() {
+  static const std::vector<SolverEntry> table = {
+      {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on", make<Automatic>},
+      {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
+      {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
+      {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
+  };
+  return table;
+}
+
+std::unique_ptr<ContactSolver> make_contact_solver(std::string_view name) {
+  std::string known;
+  for (const SolverEntry& entry : contact_solvers()) {
+    if (entry.name == name) return entry.make();
+    known += (known.empty() ? "" : ", ") + entry.name;
+  }
+  throw std::invalid_argument("no contact solver named '" + std::string(name) + "', there are " + known);
+}
+
+}  // namespace saltus
