@@ -1,0 +1,1 @@
+"""Worked examples, each a document to read."""

@@ -1,0 +1,39 @@
+#include "bindings.hpp"
+#include "slider_crank/slider_crank.hpp"
+
+
+namespace saltus::python {
+
+// The fast models of the examples. The Python documents beside them explain the formulas.
+void bind_examples(py::module_& module) {
+  using namespace examples;
+  py::class_<SliderCrankParameters>(module, "SliderCrankParameters", "Table 1 of the paper.")
+      .def(py::init<>())
+      .def_readwrite("l1", &SliderCrankParameters::l1, "length of the crank [m]")
+      .def_readwrite("l2", &SliderCrankParameters::l2, "length of the rod [m]")
+      .def_readwrite("a", &SliderCrankParameters::a, "half-length of the slider [m]")
+      .def_readwrite("b", &SliderCrankParameters::b, "half-height of the slider [m]")
+      .def_readwrite("c", &SliderCrankParameters::c, "clearance of the notch [m]")
+      .def_readwrite("m1", &SliderCrankParameters::m1, "mass of the crank [kg]")
+      .def_readwrite("m2", &SliderCrankParameters::m2, "mass of the rod [kg]")
+      .def_readwrite("m3", &SliderCrankParameters::m3, "mass of the slider [kg]")
+      .def_readwrite("J1", &SliderCrankParameters::J1, "inertia of the crank [kg m²]")
+      .def_readwrite("J2", &SliderCrankParameters::J2, "inertia of the rod [kg m²]")
+      .def_readwrite("J3", &SliderCrankParameters::J3, "inertia of the slider [kg m²]")
+      .def_readwrite("gravity", &SliderCrankParameters::gravity, "[m/s²]");
+  py::classh<SliderCrank, LagrangianDS>(module, "CompiledSliderCrank", py::is_final(),
+                                        "Crank, rod and slider in C++, q = (θ1, θ2, θ3) [rad].")
+      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const SliderCrankParameters& parameters) {
+             return std::make_unique<SliderCrank>(to_vec(q0, "q0"), to_vec(v0, "v0"), parameters);
+           }),
+           py::arg("q0"), py::arg("v0"), py::arg("parameters"));
+  py::classh<SliderCorner, Relation>(module, "CompiledSliderCorner", py::is_final(),
+                                     "A corner (xi, eta) of the slider in the notch, in C++.")
+      .def(py::init<double, double, int, const SliderCrankParameters&>(), py::arg("xi"), py::arg("eta"),
+           py::arg("size"), py::arg("parameters"));
+  py::classh<SliderGuide, Relation>(module, "CompiledSliderGuide", py::is_final(),
+                                    "The slider on a straight guide, y = 0 and θ3 = 0, in C++.")
+      .def(py::init<const SliderCrankParameters&>(), py::arg("parameters"));
+}
+
+}  // namespace saltus::python

@@ -1,0 +1,331 @@
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "python_models.hpp"
+#include "saltus/kernel/integrators/registry.hpp"
+#include "saltus/kernel/model/check.hpp"
+#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/simulation/time_stepping.hpp"
+#include "saltus/numerics/solvers/registry.hpp"
+
+namespace saltus::python {
+namespace {
+
+class PythonObserver final : public Observer {
+ public:
+  explicit PythonObserver(py::function callback) : callback_(std::move(callback)) {}
+  void observe(const StepView& view) override {
+    callback_(view.step, view.state.t, to_array(view.state.q), to_array(view.state.v), view.report);
+  }
+
+ private:
+  py::function callback_;
+};
+
+std::optional<Matrix> optional_matrix(const std::optional<ArrayLike>& array, const char* what) {
+  if (!array) return std::nullopt;
+  return to_matrix(*array, what);
+}
+
+void bind_systems(py::module_& module) {
+  py::classh<LagrangianDS, PyLagrangianDS>(
+      module, "LagrangianDS", py::dynamic_attr(),
+      R"(A mechanical system q̇ = v, M(q) v̇ = h(t, q, v) + W λ, (1)-(2). Derive from it and define
+
+    def mass(self, q, out): ...            # out (n, n): M(q), unless a constant mass is given
+    def forces(self, t, q, v, out): ...    # out (n,): h(t, q, v), external forces included
+    def potential_energy(self, q): ...     # optional, [J]: only reported
+
+`out` is zero at the call; q and v are read-only and reused: copy what you want to keep.
+
+Parameters
+----------
+q0, v0 : (n,) initial position and velocity
+mass : (n, n), optional constant mass
+
+Raises
+------
+ValueError
+    If shapes disagree or a value is not finite.
+)")
+      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const std::optional<ArrayLike>& mass) {
+             Vec q = to_vec(q0, "q0");
+             std::optional<Matrix> M = optional_matrix(mass, "mass");
+             if (M) require_mass(*M, static_cast<int>(q.size()), "mass");
+             return std::make_unique<PyLagrangianDS>(std::move(q), to_vec(v0, "v0"), std::move(M));
+           }),
+           py::arg("q0"), py::arg("v0"), py::arg("mass") = py::none())
+      .def(
+          "add_shape",
+          [](py::object self, py::object shape, py::object pose) {
+            py::module_::import("saltus.shapes").attr("attach")(self, shape, pose);
+          },
+          py::arg("shape"), py::arg("pose"),
+          "Let the system look like this in pictures: a Disc, Box or Polyline whose frame is at\n"
+          "pose(q) = (x [m], y [m], angle [rad]). Shapes are stored with the run.")
+      .def_property_readonly("dimension", &LagrangianDS::dimension)
+      .def_property_readonly("q0", [](const LagrangianDS& ds) { return to_array(ds.q0()); })
+      .def_property_readonly("v0", [](const LagrangianDS& ds) { return to_array(ds.v0()); });
+
+  py::classh<LagrangianLinearTIDS, LagrangianDS>(
+      module, "LagrangianLinearTIDS", py::is_final(),
+      R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
+
+Parameters
+----------
+q0, v0 : (n,) initial position and velocity
+mass : (n, n) M, symmetric positive definite
+stiffness, damping : (n, n) K [N/m], C [N s/m], zero if left out
+external_force : (n,) f [N], zero if left out
+
+Raises
+------
+ValueError
+    If shapes disagree, a value is not finite, or mass is not symmetric positive definite.
+)")
+      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const ArrayLike& mass,
+                       const std::optional<ArrayLike>& stiffness, const std::optional<ArrayLike>& damping,
+                       const std::optional<ArrayLike>& external_force) {
+             LagrangianLinearTIDS::Terms terms{optional_matrix(stiffness, "stiffness"),
+                                               optional_matrix(damping, "damping"), std::nullopt};
+             if (external_force) terms.external_force = to_vec(*external_force, "external_force");
+             return std::make_unique<LagrangianLinearTIDS>(to_vec(q0, "q0"), to_vec(v0, "v0"),
+                                                           to_matrix(mass, "mass"), std::move(terms));
+           }),
+           py::arg("q0"), py::arg("v0"), py::arg("mass"), py::arg("stiffness") = py::none(),
+           py::arg("damping") = py::none(), py::arg("external_force") = py::none());
+}
+
+void bind_relations(py::module_& module) {
+  py::classh<Relation, PyRelation>(
+      module, "LagrangianScleronomousR",
+      R"(Geometry g(q), Wᵀ(q) of a contact or joint, (14)-(15). Derive from it and define
+
+    def gap(self, q, out): ...             # out (1,) [m] for a contact, (size,) for an equality
+    def jacobian(self, q, out): ...        # out (size, n): normal row, then 0-2 tangential rows
+    def curvature(self, q, v, out): ...    # out (size,): (dWᵀ/dt) v, only for acceleration-level schemes
+
+`out` is zero at the call; q and v are read-only and reused: copy what you want to keep. For an
+interaction between two systems q is [q1; q2].
+
+Parameters
+----------
+size : number of rows
+
+Raises
+------
+ValueError
+    If size < 1.
+)")
+      .def(py::init<int>(), py::arg("size"))
+      .def_property_readonly("size", &Relation::size);
+  py::classh<LagrangianLinearTIR, Relation>(
+      module, "LagrangianLinearTIR", py::is_final(),
+      R"(Linear relation: gap (H q + b) in the normal rows, Wᵀ = H.
+
+Parameters
+----------
+H : (size, n)
+b : (size,) [m], zero if left out
+
+Raises
+------
+ValueError
+    If shapes disagree or a value is not finite.
+)")
+      .def(py::init([](const ArrayLike& H, const std::optional<ArrayLike>& b) {
+             Matrix rows = to_matrix(H, "H");
+             const Vec offset = b ? to_vec(*b, "b") : Vec(Vec::Zero(rows.rows()));
+             return std::make_unique<LagrangianLinearTIR>(std::move(rows), offset);
+           }),
+           py::arg("H"), py::arg("b") = py::none());
+}
+
+void bind_laws(py::module_& module) {
+  py::class_<NonSmoothLaw>(module, "NonSmoothLaw", "Which forces and jumps an interaction admits.")
+      .def_property_readonly("size", &NonSmoothLaw::size, "number of rows")
+      .def_property_readonly("restitution", [](const NonSmoothLaw& law) { return to_array(law.restitution); })
+      .def_readonly("bilateral", &NonSmoothLaw::bilateral);
+  py::class_<NewtonImpactNSL, NonSmoothLaw>(
+      module, "NewtonImpactNSL",
+      "Unilateral contact without friction, Newton's impact law (6) with restitution e in [0, 1].\n\n"
+      "Raises ValueError if e is outside.")
+      .def(py::init<double>(), py::arg("e"));
+  py::class_<NewtonImpactFrictionNSL, NonSmoothLaw>(
+      module, "NewtonImpactFrictionNSL",
+      "Unilateral contact with Coulomb friction mu >= 0 (4), Newton's impact law (6)-(7) with restitution\n"
+      "en, et in [0, 1]; dim 2 in the plane, 3 in space.\n\nRaises ValueError if a value is outside.")
+      .def(py::init<double, double, double, int>(), py::arg("en"), py::arg("et"), py::arg("mu"), py::arg("dim") = 2);
+  py::class_<EqualityConditionNSL, NonSmoothLaw>(module, "EqualityConditionNSL",
+                                                 "A bilateral constraint g = 0 of n rows.")
+      .def(py::init<int>(), py::arg("n"));
+}
+
+void bind_model(py::module_& module) {
+  const char* interaction_doc =
+      "A relation with the law that acts in it, in either order; results carry its name.\n\n"
+      "Raises ValueError if relation and law differ in size.";
+  py::classh<Interaction>(module, "Interaction", interaction_doc)
+      .def(py::init([](std::shared_ptr<Relation> relation, const NonSmoothLaw& law, std::string name) {
+             return std::make_shared<Interaction>(std::move(relation), law, std::move(name));
+           }),
+           py::arg("relation"), py::arg("law"), py::arg("name") = "")
+      .def(py::init([](const NonSmoothLaw& law, std::shared_ptr<Relation> relation, std::string name) {
+             return std::make_shared<Interaction>(std::move(relation), law, std::move(name));
+           }),
+           py::arg("law"), py::arg("relation"), py::arg("name") = "")
+      .def_property_readonly("name", &Interaction::name);
+
+  py::class_<CheckItem>(module, "CheckItem", "One line of NonSmoothDynamicalSystem.check().")
+      .def_readonly("subject", &CheckItem::subject)
+      .def_readonly("quantity", &CheckItem::quantity)
+      .def_readonly("deviation", &CheckItem::deviation)
+      .def_readonly("tolerance", &CheckItem::tolerance)
+      .def_readonly("note", &CheckItem::note)
+      .def_property_readonly("ok", &CheckItem::ok);
+
+  using Systems = std::vector<std::shared_ptr<LagrangianDS>>;
+  py::classh<NonSmoothDynamicalSystem>(module, "NonSmoothDynamicalSystemBase")
+      .def(py::init([](const Systems& systems, double t0) {
+             return std::make_unique<NonSmoothDynamicalSystem>(
+                 NonSmoothDynamicalSystem::Systems(systems.begin(), systems.end()), t0);
+           }),
+           py::arg("systems"), py::arg("t0") = 0.0)
+      .def(
+          "link",
+          [](NonSmoothDynamicalSystem& self, std::shared_ptr<Interaction> interaction, const LagrangianDS& first,
+             const LagrangianDS* second) { self.link(std::move(interaction), first, second); },
+          py::arg("interaction"), py::arg("ds1"), py::arg("ds2") = py::none(),
+          "Let an interaction act between ds1 and the ground, or between ds1 and ds2.\n\n"
+          "Raises ValueError if a system is not part of this one, the name is taken, or sizes disagree.")
+      .def_property_readonly("t0", &NonSmoothDynamicalSystem::t0)
+      .def_property_readonly("dimension", &NonSmoothDynamicalSystem::dimension)
+      .def("check_items", &check)
+      .def("contacts", [](const NonSmoothDynamicalSystem& self) {
+        // name, offset and number of rows, offset and number of gaps
+        std::vector<std::tuple<std::string, int, int, int, int>> all;
+        int row = 0, gap = 0;
+        for (const auto& link : self.links()) {
+          const NonSmoothLaw& law = link.interaction->law();
+          all.emplace_back(link.name, row, law.size(), gap, law.gaps);
+          row += law.size();
+          gap += law.gaps;
+        }
+        return all;
+      });
+}
+
+py::dict entry_dict(const IntegratorEntry& entry) {
+  py::dict properties;
+  properties["friction"] = entry.properties.friction;
+  properties["order_free"] = entry.properties.order_free;
+  properties["order_bilateral"] = entry.properties.order_bilateral;
+  properties["order_sliding"] = entry.properties.order_sliding;
+  properties["forces_at_rest"] = entry.properties.forces_at_rest;
+  py::dict options;
+  for (const SchemeOption& option : entry.options) options[py::str(option.name)] = option.choices;
+  py::dict row;
+  row["name"] = entry.name;
+  row["summary"] = entry.summary;
+  row["options"] = options;
+  row["properties"] = properties;
+  return row;
+}
+
+void bind_integrators(py::module_& module) {
+  py::classh<OneStepIntegrator>(module, "OneStepIntegrator",
+                                "A one-step scheme with its options; simulations take copies of it.")
+      .def_property_readonly("name", &OneStepIntegrator::name)
+      .def("__repr__", [](const OneStepIntegrator& self) { return "<" + self.name() + ">"; });
+  module.def(
+      "make_integrator",
+      [](const std::string& name, const Options& options) { return make_integrator(name, options); },
+      py::arg("name"), py::arg("options") = Options{},
+      "An integrator by its name in integrators().\n\nRaises ValueError naming those that there are.");
+  module.def(
+      "integrators",
+      [] {
+        py::list table;
+        for (const IntegratorEntry& entry : integrators()) table.append(entry_dict(entry));
+        return table;
+      },
+      "The registered integrators: name, summary, options and what holds for each.");
+}
+
+void bind_simulation(py::module_& module) {
+  py::class_<StepReport>(module, "StepReport", "What one step says about itself.")
+      .def_readonly("impulsive", &StepReport::impulsive, "the impact law was applied")
+      .def_readonly("closed", &StepReport::closed, "closed contacts at the end of the step")
+      .def_readonly("solver_iterations", &StepReport::solver_iterations)
+      .def_readonly("residual", &StepReport::residual, "largest certificate of the step [m/s]")
+      .def_readonly("penetration", &StepReport::penetration, "[m]")
+      .def_readonly("kinetic_energy", &StepReport::kinetic_energy, "at the end [J]")
+      .def_readonly("work_forces", &StepReport::work_forces, "of h over the step [J]")
+      .def_readonly("work_lambda", &StepReport::work_lambda, "of λ⁺ and λ⁻ over the step [J]")
+      .def_readonly("work_impulse", &StepReport::work_impulse, "of Λ [J]");
+  py::classh<Observer>(module, "Observer", "Looks at the steps of a run.");
+  py::classh<TimeStepping>(module, "TimeSteppingBase")
+      .def(py::init([](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& integrator,
+                       double time_step, const std::string& solver) {
+        return std::make_unique<TimeStepping>(system, integrator, time_step, *make_contact_solver(solver));
+      }))
+      .def("add_observer", &TimeStepping::add_observer)
+      .def("add_callback",
+           [](TimeStepping& self, py::function callback) {
+             self.add_observer(std::make_shared<PythonObserver>(std::move(callback)));
+           })
+      .def("advance",
+           [](TimeStepping& self, double until, const std::function<void(double)>& progress) {
+             self.set_progress([progress](double t) {
+               if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+               if (progress) progress(t);
+             });
+             self.run(until);
+           })
+      .def("take_step", &TimeStepping::step)
+      .def_property_readonly("time_step", &TimeStepping::time_step)
+      .def_property_readonly("steps", &TimeStepping::steps)
+      .def_property_readonly("report", &TimeStepping::report)
+      .def_property_readonly("t", [](const TimeStepping& self) { return self.state().t; })
+      .def_property_readonly("q", [](const TimeStepping& self) { return to_array(self.state().q); })
+      .def_property_readonly("v", [](const TimeStepping& self) { return to_array(self.state().v); });
+}
+
+// SimulationError is a Python class with the attributes of the C++ one.
+void bind_error(py::module_& module) {
+  static py::handle error;
+  error = PyErr_NewExceptionWithDoc(
+      "saltus.kernel.SimulationError",
+      "A step that could not be taken: time [s], step, contacts (names of the closed ones), residual [m/s], "
+      "and trajectory, what was recorded so far.",
+      PyExc_RuntimeError, nullptr);
+  module.attr("SimulationError") = error;
+  py::register_local_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const SimulationError& e) {
+      py::object instance = error(e.what());
+      instance.attr("time") = e.time();
+      instance.attr("step") = e.step();
+      instance.attr("contacts") = e.contacts();
+      instance.attr("residual") = e.report().residual;
+      instance.attr("trajectory") = py::none();
+      PyErr_SetObject(error.ptr(), instance.ptr());
+    }
+  });
+}
+
+}  // namespace
+
+void bind_kernel(py::module_& module) {
+  bind_systems(module);
+  bind_relations(module);
+  bind_laws(module);
+  bind_model(module);
+  bind_integrators(module);
+  bind_simulation(module);
+  bind_error(module);
+}
+
+}  // namespace saltus::python

@@ -1,0 +1,94 @@
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <stdexcept>
+
+#include "bindings.hpp"
+#include "saltus/numerics/solvers/registry.hpp"
+
+namespace saltus::python {
+namespace {
+
+struct Solution {
+  py::array_t<double> P, xi;
+  std::string status, solver;
+  double residual, scale;
+  int iterations;
+};
+
+Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets,
+               const std::string& solver, const std::optional<ArrayLike>& warm_start) {
+  ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
+  validate(problem);
+  const auto method = make_contact_solver(solver);
+  if (!method->accepts(problem))
+    throw std::invalid_argument("the contact solver '" + solver +
+                                "' does not accept this problem: its sets or its size are not among those it solves");
+  Vec P = Vec::Zero(problem.rows());
+  if (warm_start) {
+    const Vec start = to_vec(*warm_start, "warm_start");
+    if (start.size() != P.size() || !start.allFinite())
+      throw std::invalid_argument("warm_start must be finite and have " + std::to_string(P.size()) +
+                                  " entries as b has, got " + std::to_string(start.size()));
+    P = start;
+  }
+  method->reserve(problem.rows());
+  const SolveReport report = method->solve(problem, P.data());
+  Vec xi(P.size());
+  const Certificate certificate = certify(problem, P.data(), xi.data());
+  return {to_array(P), to_array(xi), std::string(to_string(report.status)), std::string(report.solver),
+          certificate.residual, certificate.scale, report.iterations};
+}
+
+}  // namespace
+
+void bind_numerics(py::module_& module) {
+  py::class_<Equality>(module, "Equality", "The set of xi = 0, P free. One row.").def(py::init<>());
+  py::class_<NonNegative>(module, "NonNegative", "The set of 0 <= xi, 0 <= P, xi P = 0. One row.")
+      .def(py::init<>());
+  py::class_<Coulomb>(module, "Coulomb",
+                      "Coulomb's law (7): a normal row and dim - 1 tangential rows, |P_T| <= mu P_N.")
+      .def(py::init([](double mu, int dim) { return Coulomb{mu, dim}; }), py::arg("mu"), py::arg("dim") = 2)
+      .def_readonly("mu", &Coulomb::mu)
+      .def_readonly("dim", &Coulomb::dim);
+
+  py::class_<Solution>(module, "ContactSolution", "What a contact solver found, and its certificate.")
+      .def_readonly("P", &Solution::P, "(rows,) impulses [N s]")
+      .def_readonly("xi", &Solution::xi, "(rows,) G P + b [m/s]")
+      .def_readonly("status", &Solution::status, "'solved', 'iteration-limit' or 'breakdown'")
+      .def_readonly("solver", &Solution::solver, "the method that answered")
+      .def_readonly("residual", &Solution::residual, "natural map, computed outside the solver [m/s]")
+      .def_readonly("scale", &Solution::scale, "size of the terms in G P + b [m/s]")
+      .def_readonly("iterations", &Solution::iterations)
+      .def("__repr__", [](const Solution& s) {
+        return "ContactSolution(status='" + s.status + "', solver='" + s.solver +
+               "', residual=" + std::string(py::str(py::float_(s.residual))) + ")";
+      });
+  module.def("solve", &solve, py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("solver") = "auto",
+             py::arg("warm_start") = py::none(),
+             R"(Find P such that xi = G P + b and every contact's law holds between xi and P.
+
+Parameters
+----------
+G : (rows, rows) [1/kg], may be unsymmetric and rank-deficient
+b : (rows,) [m/s]
+sets : contact sets in the order of the rows
+solver : name out of solvers()
+warm_start : (rows,) [N s]
+
+Raises
+------
+ValueError
+    If shapes disagree, a value is not finite, or the solver does not accept the problem.
+)");
+  module.def(
+      "solvers",
+      [] {
+        py::dict table;
+        for (const SolverEntry& entry : contact_solvers()) table[py::str(entry.name)] = entry.summary;
+        return table;
+      },
+      "The registered contact solvers, name: summary.");
+}
+
+}  // namespace saltus::python

@@ -1,0 +1,9 @@
+"""Saltus simulates mechanical systems whose velocities jump: contact, impact, dry friction.
+
+``saltus.kernel`` has models, integrators and simulations, ``saltus.numerics`` the solvers of contact
+problems, ``saltus.io`` the results.
+"""
+
+from saltus._core import __version__
+
+__all__ = ["__version__"]

@@ -1,0 +1,216 @@
+"""Models, integrators and simulations of nonsmooth mechanics.
+
+Every registered integrator is a factory of this module under its name, its options are keywords:
+``HalfExplicitTrapezoidalOSI(activity="start")``, ``ExplicitMoreauJeanOSI()``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from saltus import _core
+from saltus._core import (
+    CheckItem,
+    EqualityConditionNSL,
+    Interaction,
+    LagrangianDS,
+    LagrangianLinearTIDS,
+    LagrangianLinearTIR,
+    LagrangianScleronomousR,
+    NewtonImpactFrictionNSL,
+    NewtonImpactNSL,
+    NonSmoothLaw,
+    OneStepIntegrator,
+    SimulationError,
+    StepReport,
+    integrators,
+)
+from saltus.io import Layout, Provenance, Trajectory
+from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
+
+if TYPE_CHECKING:
+    from saltus.typing import FloatArray
+
+__all__ = [
+    "Box",
+    "CheckReport",
+    "Disc",
+    "EqualityConditionNSL",
+    "Interaction",
+    "LagrangianDS",
+    "LagrangianLinearTIDS",
+    "LagrangianLinearTIR",
+    "LagrangianScleronomousR",
+    "NewtonImpactFrictionNSL",
+    "NewtonImpactNSL",
+    "NonSmoothDynamicalSystem",
+    "NonSmoothLaw",
+    "OneStepIntegrator",
+    "Polyline",
+    "Pose",
+    "Shape",
+    "SimulationError",
+    "StepReport",
+    "TimeStepping",
+    "integrators",
+]
+
+
+class IntegratorFactory:
+    """Makes an integrator of the registry; its options are keywords."""
+
+    def __init__(self, name: str, summary: str, options: dict[str, list[str]]) -> None:
+        self.name = name
+        choices = [f"{key}: one of {', '.join(words)}" for key, words in options.items()]
+        self.__doc__ = f"{summary}\n\nOptions\n-------\n" + ("\n".join(choices) or "none")
+
+    def __call__(self, **options: str) -> OneStepIntegrator:
+        """Make the integrator. Raises ValueError if there is no such option or choice."""
+        return _core.make_integrator(self.name, options)
+
+    def __repr__(self) -> str:
+        return f"<integrator {self.name}>"
+
+
+def __getattr__(name: str) -> IntegratorFactory:
+    for entry in integrators():
+        if entry["name"] == name:
+            return IntegratorFactory(name, entry["summary"], entry["options"])
+    raise AttributeError(f"module 'saltus.kernel' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *(entry["name"] for entry in integrators())]
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """What `NonSmoothDynamicalSystem.check` found; prints as a table."""
+
+    items: tuple[CheckItem, ...]
+
+    @property
+    def ok(self) -> bool:
+        """True if every item is within its tolerance."""
+        return all(item.ok for item in self.items)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{'ok ' if item.ok else 'BAD'}  {item.subject:<16} {item.quantity:<42} "
+            f"deviation {item.deviation:8.1e} (at most {item.tolerance:.0e})  {item.note}"
+            for item in self.items
+        ]
+        return "\n".join(line.rstrip() for line in lines)
+
+    __repr__ = __str__
+
+
+class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
+    """Dynamical systems and the interactions between them, or with the ground.
+
+    Positions q and velocities v of the whole are those of the systems, one after the other.
+
+    Parameters
+    ----------
+    systems : the dynamical systems
+    t0 : initial time [s]
+
+    Raises
+    ------
+    ValueError
+        If there is no system, one stands twice, or t0 is not finite.
+    """
+
+    def __init__(self, systems: Sequence[LagrangianDS], t0: float = 0.0) -> None:
+        super().__init__(list(systems), t0)
+        self._systems = tuple(systems)
+
+    @property
+    def systems(self) -> tuple[LagrangianDS, ...]:
+        """The dynamical systems, in the order of their freedoms."""
+        return self._systems
+
+    def check(self) -> CheckReport:
+        """Compare mass, forces, jacobian and curvature with finite differences at the initial state.
+
+        Normal rows of the Jacobian against the gap's gradient, curvature against the Jacobian's rate, the
+        part of the forces that is even in v against what the mass matrix demands, forces at rest against
+        the potential energy where it is defined; gaps and relative velocities at t0 are noted.
+        """
+        return CheckReport(tuple(self.check_items()))
+
+
+class TimeStepping(_core.TimeSteppingBase):
+    """Event-capturing simulation with fixed steps, t_k = t0 + k Δt.
+
+    Parameters
+    ----------
+    system : NonSmoothDynamicalSystem, as it is now: interactions linked later are not seen
+    integrator : made by a factory of this module, or the name of one
+    time_step : Δt > 0 [s]
+    solver : name of a contact solver, see ``saltus.numerics.solvers()``
+    record_every : keep every n-th row, and all impulsive steps
+
+    Raises
+    ------
+    ValueError
+        If Δt is not positive and finite, a name is unknown, the integrator or the solver cannot take the
+        model, or the model's mass, forces, gaps or Jacobians are not finite at t0.
+    """
+
+    def __init__(
+        self,
+        system: NonSmoothDynamicalSystem,
+        integrator: OneStepIntegrator | str,
+        time_step: float,
+        *,
+        solver: str = "auto",
+        record_every: int = 1,
+    ) -> None:
+        scheme = _core.make_integrator(integrator) if isinstance(integrator, str) else integrator
+        super().__init__(system, scheme, time_step, solver)
+        recording = _core.Recording(record_every)
+        self.add_observer(recording)
+        layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
+        provenance = Provenance.now(scheme.name, time_step, solver, record_every)
+        self._trajectory = Trajectory(recording, layout, provenance, shapes_of(system.systems))
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """What is recorded so far."""
+        return self._trajectory
+
+    def run(self, until: float, progress: Callable[[float], None] | None = None) -> Trajectory:
+        """Take all steps with t_k <= until (1 + 1e-12), never a shortened one.
+
+        A further call continues the same trajectory. `progress` is called with the time every few hundred
+        steps.
+
+        Raises
+        ------
+        SimulationError
+            If a step cannot be taken; its ``trajectory`` is what was recorded so far.
+        ValueError
+            If until is not finite.
+        """
+        try:
+            self.advance(until, progress)
+        except SimulationError as error:
+            error.trajectory = self._trajectory
+            raise
+        return self._trajectory
+
+    def step(self) -> StepReport:
+        """Take one step. Raises SimulationError if it cannot be taken."""
+        try:
+            return self.take_step()
+        except SimulationError as error:
+            error.trajectory = self._trajectory
+            raise
+
+    def observe(self, callback: Callable[[int, float, FloatArray, FloatArray, StepReport], object]) -> None:
+        """Call ``callback(step, t, q, v, report)`` for row 0 and after every step."""
+        self.add_callback(callback)
+
