@@ -17,17 +17,17 @@ class Recording final : public Observer {
 
   long rows() const { return static_cast<long>(t.size()); }
 
-  std::vector<double> t;                                            ///< (rows) [s]
-  std::vector<double> q, v;                                         ///< (rows, n)
-  std::vector<double> gaps;                                         ///< (rows, gaps) [m]
-  std::vector<double> velocities;                                   ///< (rows, contact rows) [m/s]
-  std::vector<double> lambda_plus, lambda_minus;                    ///< likewise [N]
-  std::vector<double> impulse;                                      ///< likewise [N s]
-  std::vector<double> residual, penetration;                        ///< (rows) [m/s], [m]
-  std::vector<double> kinetic_energy, potential_energy;             ///< (rows) [J]
-  std::vector<double> work_forces, work_lambda, work_impulse;       ///< (rows) [J], of the recorded step
-  std::vector<long> step, closed;                                   ///< (rows)
-  std::vector<unsigned char> impulsive;                             ///< (rows)
+  std::vector<double> t;                                       ///< (rows) [s]
+  std::vector<double> q, v;                                    ///< (rows, n)
+  std::vector<double> gaps;                                    ///< (rows, gaps) [m]
+  std::vector<double> velocities;                              ///< (rows, contact rows) [m/s]
+  std::vector<double> lambda_plus, lambda_minus;               ///< likewise [N]
+  std::vector<double> impulse;                                 ///< likewise [N s]
+  std::vector<double> residual, penetration;                   ///< (rows) [m/s], [m]
+  std::vector<double> kinetic_energy, potential_energy;        ///< (rows) [J]
+  std::vector<double> work_forces, work_lambda, work_impulse;  ///< (rows) [J], of the recorded step
+  std::vector<long> step, closed;                              ///< (rows)
+  std::vector<unsigned char> impulsive;                        ///< (rows)
 
  private:
   long every_;

@@ -10,9 +10,9 @@ void validate(const ContactProblem& problem) {
   const int rows = problem.rows();
   if (problem.G.rows() != rows || problem.G.cols() != rows)
     throw std::invalid_argument("contact problem: G must be (" + std::to_string(rows) + ", " +
-                                std::to_string(rows) + ") as b has " + std::to_string(rows) +
-                                " rows, got (" + std::to_string(problem.G.rows()) + ", " +
-                                std::to_string(problem.G.cols()) + ")");
+                                std::to_string(rows) + ") as b has " + std::to_string(rows) + " rows, got (" +
+                                std::to_string(problem.G.rows()) + ", " + std::to_string(problem.G.cols()) +
+                                ")");
   int needed = 0;
   for (const ContactSet& set : problem.sets) {
     if (const auto* law = std::get_if<Coulomb>(&set)) {
@@ -26,8 +26,8 @@ void validate(const ContactProblem& problem) {
     needed += rows_of(set);
   }
   if (needed != rows)
-    throw std::invalid_argument("contact problem: the sets take " + std::to_string(needed) +
-                                " rows, b has " + std::to_string(rows));
+    throw std::invalid_argument("contact problem: the sets take " + std::to_string(needed) + " rows, b has " +
+                                std::to_string(rows));
   if (!problem.G.view().allFinite())
     throw std::invalid_argument("contact problem: G must be finite, got NaN or infinity");
   if (!problem.b.view().allFinite())

@@ -21,8 +21,8 @@ inline constexpr double default_tolerance = 1e-12;
 struct SolveReport {
   SolveStatus status = SolveStatus::solved;
   int iterations = 0;
-  Certificate certificate;   ///< of the P that came out, computed outside the method
-  std::string_view solver;   ///< name of the method that answered
+  Certificate certificate;  ///< of the P that came out, computed outside the method
+  std::string_view solver;  ///< name of the method that answered
 };
 
 /// Finds P with xi = G P + b and every contact's law between xi and P.

@@ -1,7 +1,6 @@
 #include "bindings.hpp"
 #include "slider_crank/slider_crank.hpp"
 
-
 namespace saltus::python {
 
 // The fast models of the examples. The Python documents beside them explain the formulas.

@@ -68,9 +68,8 @@ ValueError
       .def_property_readonly("q0", [](const LagrangianDS& ds) { return to_array(ds.q0()); })
       .def_property_readonly("v0", [](const LagrangianDS& ds) { return to_array(ds.v0()); });
 
-  py::classh<LagrangianLinearTIDS, LagrangianDS>(
-      module, "LagrangianLinearTIDS", py::is_final(),
-      R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
+  py::classh<LagrangianLinearTIDS, LagrangianDS>(module, "LagrangianLinearTIDS", py::is_final(),
+                                                 R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
 
 Parameters
 ----------
@@ -120,9 +119,8 @@ ValueError
 )")
       .def(py::init<int>(), py::arg("size"))
       .def_property_readonly("size", &Relation::size);
-  py::classh<LagrangianLinearTIR, Relation>(
-      module, "LagrangianLinearTIR", py::is_final(),
-      R"(Linear relation: gap (H q + b) in the normal rows, Wᵀ = H.
+  py::classh<LagrangianLinearTIR, Relation>(module, "LagrangianLinearTIR", py::is_final(),
+                                            R"(Linear relation: gap (H q + b) in the normal rows, Wᵀ = H.
 
 Parameters
 ----------
@@ -156,7 +154,8 @@ void bind_laws(py::module_& module) {
       module, "NewtonImpactFrictionNSL",
       "Unilateral contact with Coulomb friction mu >= 0 (4), Newton's impact law (6)-(7) with restitution\n"
       "en, et in [0, 1]; dim 2 in the plane, 3 in space.\n\nRaises ValueError if a value is outside.")
-      .def(py::init<double, double, double, int>(), py::arg("en"), py::arg("et"), py::arg("mu"), py::arg("dim") = 2);
+      .def(py::init<double, double, double, int>(), py::arg("en"), py::arg("et"), py::arg("mu"),
+           py::arg("dim") = 2);
   py::class_<EqualityConditionNSL, NonSmoothLaw>(module, "EqualityConditionNSL",
                                                  "A bilateral constraint g = 0 of n rows.")
       .def(py::init<int>(), py::arg("n"));
@@ -194,7 +193,8 @@ void bind_model(py::module_& module) {
            py::arg("systems"), py::arg("t0") = 0.0)
       .def(
           "link",
-          [](NonSmoothDynamicalSystem& self, std::shared_ptr<Interaction> interaction, const LagrangianDS& first,
+          [](NonSmoothDynamicalSystem& self, std::shared_ptr<Interaction> interaction,
+             const LagrangianDS& first,
              const LagrangianDS* second) { self.link(std::move(interaction), first, second); },
           py::arg("interaction"), py::arg("ds1"), py::arg("ds2") = py::none(),
           "Let an interaction act between ds1 and the ground, or between ds1 and ds2.\n\n"

@@ -22,8 +22,9 @@ Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<Contact
   validate(problem);
   const auto method = make_contact_solver(solver);
   if (!method->accepts(problem))
-    throw std::invalid_argument("the contact solver '" + solver +
-                                "' does not accept this problem: its sets or its size are not among those it solves");
+    throw std::invalid_argument(
+        "the contact solver '" + solver +
+        "' does not accept this problem: its sets or its size are not among those it solves");
   Vec P = Vec::Zero(problem.rows());
   if (warm_start) {
     const Vec start = to_vec(*warm_start, "warm_start");
@@ -36,8 +37,13 @@ Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<Contact
   const SolveReport report = method->solve(problem, P.data());
   Vec xi(P.size());
   const Certificate certificate = certify(problem, P.data(), xi.data());
-  return {to_array(P), to_array(xi), std::string(to_string(report.status)), std::string(report.solver),
-          certificate.residual, certificate.scale, report.iterations};
+  return {to_array(P),
+          to_array(xi),
+          std::string(to_string(report.status)),
+          std::string(report.solver),
+          certificate.residual,
+          certificate.scale,
+          report.iterations};
 }
 
 }  // namespace

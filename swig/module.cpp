@@ -26,9 +26,7 @@ Matrix to_matrix(const ArrayLike& array, const std::string& what) {
   return Eigen::Map<const Matrix>(array.data(), array.shape(0), array.shape(1));
 }
 
-py::array_t<double> to_array(const Vec& values) {
-  return py::array_t<double>(values.size(), values.data());
-}
+py::array_t<double> to_array(const Vec& values) { return py::array_t<double>(values.size(), values.data()); }
 
 }  // namespace saltus::python
 

@@ -100,8 +100,9 @@ NonSmoothDynamicalSystem make_slider_crank(Guidance guidance) {
   auto crank = std::make_shared<SliderCrank>(q0, v0, p);
   NonSmoothDynamicalSystem model({crank});
   if (guidance == Guidance::equality) {
-    model.link(std::make_shared<Interaction>(std::make_shared<SliderGuide>(p), EqualityConditionNSL(2), "guide"),
-               *crank);
+    model.link(
+        std::make_shared<Interaction>(std::make_shared<SliderGuide>(p), EqualityConditionNSL(2), "guide"),
+        *crank);
     return model;
   }
   NonSmoothLaw law = NewtonImpactNSL(0.4);
@@ -109,7 +110,10 @@ NonSmoothDynamicalSystem make_slider_crank(Guidance guidance) {
   const struct {
     const char* name;
     double xi, eta;
-  } corners[] = {{"upper left", -p.a, p.b}, {"upper right", p.a, p.b}, {"lower left", -p.a, -p.b}, {"lower right", p.a, -p.b}};
+  } corners[] = {{"upper left", -p.a, p.b},
+                 {"upper right", p.a, p.b},
+                 {"lower left", -p.a, -p.b},
+                 {"lower right", p.a, -p.b}};
   for (const auto& corner : corners)
     model.link(std::make_shared<Interaction>(
                    std::make_shared<SliderCorner>(corner.xi, corner.eta, law.size(), p), law, corner.name),

@@ -7,11 +7,11 @@ namespace saltus::examples {
 
 /// Table 1. The clearance c is that of the notch, 0 for the bilateral case.
 struct SliderCrankParameters {
-  double l1 = 0.1530, l2 = 0.3060;             ///< lengths of crank and rod [m]
-  double a = 0.0500, b = 0.0250, c = 0.0010;   ///< half-length and half-height of the slider, clearance [m]
-  double m1 = 0.0380, m2 = 0.0380, m3 = 0.0760;    ///< [kg]
-  double J1 = 7.4e-5, J2 = 5.9e-4, J3 = 2.7e-6;    ///< [kg m²]
-  double gravity = 9.81;                           ///< [m/s²]
+  double l1 = 0.1530, l2 = 0.3060;               ///< lengths of crank and rod [m]
+  double a = 0.0500, b = 0.0250, c = 0.0010;     ///< half-length and half-height of the slider, clearance [m]
+  double m1 = 0.0380, m2 = 0.0380, m3 = 0.0760;  ///< [kg]
+  double J1 = 7.4e-5, J2 = 5.9e-4, J3 = 2.7e-6;  ///< [kg m²]
+  double gravity = 9.81;                         ///< [m/s²]
 };
 
 /// Crank, rod and slider, q = (θ1, θ2, θ3) [rad].

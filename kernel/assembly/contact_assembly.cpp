@@ -85,8 +85,7 @@ void ContactAssembly::add_restitution(const Vec& gamma) {
   int row = 0;
   for (int contact : active_) {
     const auto& slot = layout_->contacts[contact];
-    for (int i = 0; i < slot.rows; ++i)
-      problem_.b[row++] += slot.law->restitution[i] * gamma[slot.row + i];
+    for (int i = 0; i < slot.rows; ++i) problem_.b[row++] += slot.law->restitution[i] * gamma[slot.row + i];
   }
 }
 

@@ -37,9 +37,9 @@ class ContactAssembly {
  private:
   void assemble_shared(int system, Configuration& constraint);
 
-  struct Touch {  // one active contact on one system
-    int index;    // among the active contacts
-    int row;      // in the contact problem
+  struct Touch {         // one active contact on one system
+    int index;           // among the active contacts
+    int row;             // in the contact problem
     std::size_t column;  // where the system's columns start in a row of Wᵀ
   };
 

@@ -17,12 +17,12 @@ struct Layout {
   struct Contact {
     const Relation* relation;
     const NonSmoothLaw* law;
-    int sides;             ///< one system or two
-    int system[2];         ///< which
-    int n;                 ///< freedoms of these together
-    int row;               ///< of its velocities and forces among all rows
+    int sides;      ///< one system or two
+    int system[2];  ///< which
+    int n;          ///< freedoms of these together
+    int row;        ///< of its velocities and forces among all rows
     int rows;
-    int gap;               ///< of its gaps among all gaps
+    int gap;  ///< of its gaps among all gaps
     int gaps;
     std::size_t jacobian;  ///< of its Wᵀ (rows, n), row by row, among all
   };

@@ -11,7 +11,8 @@ void Reactions::set_zero(int rows) {
 std::string_view to_string(StepStatus status) {
   switch (status) {
     case StepStatus::ok: return "ok";
-    case StepStatus::solver_failed: return "the contact solver found no impulses that satisfy the contact laws";
+    case StepStatus::solver_failed:
+      return "the contact solver found no impulses that satisfy the contact laws";
     case StepStatus::mass_not_positive_definite: return "the mass matrix is not positive definite";
     case StepStatus::not_finite: break;
   }

@@ -37,15 +37,15 @@ std::string_view to_string(StepStatus status);
 /// What one step says about itself.
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  bool impulsive = false;         ///< the impact law was applied
-  int closed = 0;                 ///< closed contacts at the end of the step, bilateral ones included
-  int solver_iterations = 0;      ///< over all contact problems of the step
-  double residual = 0.0;          ///< largest certificate of the step [m/s]
-  double penetration = 0.0;       ///< largest -g of the unilateral contacts at the end [m]
-  double kinetic_energy = 0.0;    ///< at the end [J]
-  double work_forces = 0.0;       ///< of h over the step, by the scheme's quadrature [J]
-  double work_lambda = 0.0;       ///< of λ⁺, λ⁻ likewise [J]
-  double work_impulse = 0.0;      ///< of Λ: exactly the jump of the kinetic energy [J]
+  bool impulsive = false;       ///< the impact law was applied
+  int closed = 0;               ///< closed contacts at the end of the step, bilateral ones included
+  int solver_iterations = 0;    ///< over all contact problems of the step
+  double residual = 0.0;        ///< largest certificate of the step [m/s]
+  double penetration = 0.0;     ///< largest -g of the unilateral contacts at the end [m]
+  double kinetic_energy = 0.0;  ///< at the end [J]
+  double work_forces = 0.0;     ///< of h over the step, by the scheme's quadrature [J]
+  double work_lambda = 0.0;     ///< of λ⁺, λ⁻ likewise [J]
+  double work_impulse = 0.0;    ///< of Λ: exactly the jump of the kinetic energy [J]
 };
 
 /// A one-step scheme: takes a state from t to t + dt.

@@ -12,11 +12,11 @@ namespace saltus {
 
 /// What holds for a scheme, checked by the conformance tests of the registry.
 struct SchemeProperties {
-  bool friction = true;            ///< takes laws with friction
-  int order_free = 1;              ///< in q and v, free flight
-  int order_bilateral = 1;         ///< under bilateral constraints
-  int order_sliding = 1;           ///< in persistent sliding contact with friction
-  bool forces_at_rest = false;     ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
+  bool friction = true;         ///< takes laws with friction
+  int order_free = 1;           ///< in q and v, free flight
+  int order_bilateral = 1;      ///< under bilateral constraints
+  int order_sliding = 1;        ///< in persistent sliding contact with friction
+  bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
 };
 
 /// One option of a scheme: a word out of some.

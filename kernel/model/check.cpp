@@ -74,8 +74,8 @@ std::string text(const char* label, const Vec& values) {
 Vec gyroscopic(const LagrangianDS& system, const Vec& q, const Vec& v) {
   const double eps = difference_step;
   const Matrix rate = (mass_at(system, q + eps * v) - mass_at(system, q - eps * v)) / (2 * eps);
-  const Matrix energy = gradient(
-      [&](const Vec& x) { return Vec(Vec::Constant(1, 0.5 * v.dot(mass_at(system, x) * v))); }, q);
+  const Matrix energy =
+      gradient([&](const Vec& x) { return Vec(Vec::Constant(1, 0.5 * v.dot(mass_at(system, x) * v))); }, q);
   return -(rate * v) + energy.transpose().col(0);
 }
 
@@ -88,7 +88,8 @@ Vec test_velocity(const Vec& v0) {
   return v / size;
 }
 
-void check_system(const LagrangianDS& system, double t0, const std::string& who, std::vector<CheckItem>& items) {
+void check_system(const LagrangianDS& system, double t0, const std::string& who,
+                  std::vector<CheckItem>& items) {
   const Vec& q = system.q0();
   const Matrix M = mass_at(system, q);
   items.push_back({who, "mass symmetric", deviation(M, M.transpose()), 1e-9, ""});

@@ -12,7 +12,7 @@ struct CheckItem {
   std::string quantity;  ///< what was compared
   double deviation;      ///< largest difference, relative to the size of the terms
   double tolerance;
-  std::string note;      ///< values at t0, or why the item was left out
+  std::string note;  ///< values at t0, or why the item was left out
   bool ok() const { return deviation <= tolerance; }
 };
 

@@ -52,8 +52,8 @@ LagrangianLinearTIDS::LagrangianLinearTIDS(Vec q0, Vec v0, Matrix mass, Terms te
   require_square(terms_.damping, n, "damping");
   if (!terms_.external_force) return;
   if (terms_.external_force->size() != n)
-    throw std::invalid_argument("external_force must have " + std::to_string(n) +
-                                " entries as q0 has, got " + std::to_string(terms_.external_force->size()));
+    throw std::invalid_argument("external_force must have " + std::to_string(n) + " entries as q0 has, got " +
+                                std::to_string(terms_.external_force->size()));
   if (!terms_.external_force->allFinite())
     throw std::invalid_argument("external_force must be finite, got NaN or infinity");
 }

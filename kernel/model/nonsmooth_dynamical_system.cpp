@@ -16,8 +16,8 @@ NonSmoothDynamicalSystem::NonSmoothDynamicalSystem(Systems systems, double t0)
   }
 }
 
-void NonSmoothDynamicalSystem::link(std::shared_ptr<const Interaction> interaction,
-                                    const LagrangianDS& first, const LagrangianDS* second) {
+void NonSmoothDynamicalSystem::link(std::shared_ptr<const Interaction> interaction, const LagrangianDS& first,
+                                    const LagrangianDS* second) {
   if (!interaction) throw std::invalid_argument("link needs an interaction, got none");
   Link link{interaction, interaction->name(), index_of(first), second ? index_of(*second) : -1};
   if (link.first == link.second)

@@ -72,7 +72,8 @@ void TimeStepping::check_start() {
     require_mass(M, system.n, "mass" + who + " at t0");
     Vec h = Vec::Zero(system.n);
     system.model->forces(state_.t, q, v, {h.data(), system.n});
-    if (!h.allFinite()) throw std::invalid_argument("forces" + who + " at t0 must be finite, got NaN or infinity");
+    if (!h.allFinite())
+      throw std::invalid_argument("forces" + who + " at t0 must be finite, got NaN or infinity");
   }
   view_.move_to(state_.q);
   view_.factorise();

@@ -16,7 +16,8 @@ std::unique_ptr<ContactSolver> make() {
 
 const std::vector<SolverEntry>& contact_solvers() {
   static const std::vector<SolverEntry> table = {
-      {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on", make<Automatic>},
+      {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on",
+       make<Automatic>},
       {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
       {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
       {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},

@@ -123,7 +123,7 @@ class Trajectory:
         source: Recording | Mapping[str, Any],
         layout: Layout,
         provenance: Provenance,
-        shapes: Sequence[PlacedShape] | Sequence[ShapeRecord] = (),
+        shapes: Sequence[PlacedShape | ShapeRecord] = (),
     ) -> None:
         self._source = source
         self._columns: Mapping[str, Any] = {} if isinstance(source, Recording) else source
@@ -310,7 +310,9 @@ def read_hdf5(path: str | os.PathLike[str]) -> Trajectory:
         layout = json.loads(file.attrs["layout"])
         contacts = {name: ContactSlot(**slot) for name, slot in layout["contacts"].items()}
         shapes = [
-            ShapeRecord(int(group.attrs["system"]), str(group.attrs["kind"]), group["outline"][:], group["poses"][:])
+            ShapeRecord(
+                int(group.attrs["system"]), str(group.attrs["kind"]), group["outline"][:], group["poses"][:]
+            )
             for group in _groups(file["shapes"])
         ]
         return Trajectory(
@@ -355,7 +357,8 @@ def _umask() -> int:
 def _unwritable(target: Path, error: OSError) -> OSError:
     reason = error.strerror or str(error)
     return OSError(
-        error.errno or 0, f"cannot write '{target}': expected a writable file in an existing folder, got: {reason}"
+        error.errno or 0,
+        f"cannot write '{target}': expected a writable file in an existing folder, got: {reason}",
     )
 
 

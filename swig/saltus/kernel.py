@@ -213,4 +213,3 @@ class TimeStepping(_core.TimeSteppingBase):
     def observe(self, callback: Callable[[int, float, FloatArray, FloatArray, StepReport], object]) -> None:
         """Call ``callback(step, t, q, v, report)`` for row 0 and after every step."""
         self.add_callback(callback)
-

@@ -1,4 +1,6 @@
-"""Array types of the public functions."""
+"""Types of the public functions."""
+
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,3 +8,12 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+
+class IntegratorEntry(TypedDict):
+    """A row of the table of integrators."""
+
+    name: str
+    summary: str
+    options: dict[str, list[str]]
+    properties: dict[str, Any]

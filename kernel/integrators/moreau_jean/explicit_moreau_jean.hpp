@@ -12,9 +12,7 @@ class ExplicitMoreauJean final : public OneStepIntegrator {
   std::string name() const override { return "ExplicitMoreauJeanOSI"; }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
-  std::unique_ptr<OneStepIntegrator> clone() const override {
-    return std::make_unique<ExplicitMoreauJean>();
-  }
+  std::unique_ptr<OneStepIntegrator> clone() const override { return std::make_unique<ExplicitMoreauJean>(); }
 
  private:
   void predict_active(double dt);

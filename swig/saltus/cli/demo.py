@@ -1,0 +1,115 @@
+"""``saltus demo``: the frictional slider crank, its convergence and a picture of the run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from saltus import plot
+from saltus.cli import reproduce
+from saltus.examples.slider_crank.convergence import Row
+from saltus.io import Trajectory
+
+SCHEME = "HalfExplicitTrapezoidalOSI"
+SHORT = {
+    "HalfExplicitTrapezoidalOSI": "half-explicit trapezoidal",
+    "ExplicitMoreauJeanOSI": "explicit Moreau-Jean",
+}
+
+
+def run(out: Path) -> None:
+    """Compute Table 3, then write trajectory, table and picture.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written; nothing is computed then.
+    """
+    require_writable(out)
+    rows = reproduce.compute(reproduce.Target.table3)
+    reproduce.print_table(reproduce.TITLES[reproduce.Target.table3], "table3", rows)
+    finest = min((row for row in rows if row.scheme == SCHEME), key=lambda row: row.dt)
+    finest.trajectory.to_hdf5(out / "slider_crank.h5")
+    (out / "table3.json").write_text(json.dumps(reproduce.to_json(rows), indent=2) + "\n")
+    figure = picture(finest.trajectory, rows)
+    figure.savefig(out / "slider_crank.png", dpi=130)
+    plt.close(figure)
+    console = Console(soft_wrap=True)
+    for name, what in [
+        ("slider_crank.png", "picture"),
+        ("slider_crank.h5", f"trajectory, {SHORT[SCHEME]}, Δt = {finest.dt:.0e} s"),
+        ("table3.json", "the table above"),
+    ]:
+        console.print(f"{out / name}  {what}", highlight=False)
+
+
+def require_writable(out: Path) -> None:
+    """Make the folder and try it, before anything is computed."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        probe = out / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        reason = f"cannot write into '{out}': expected a writable folder, got: {error.strerror}"
+        raise OSError(error.errno or 0, reason) from error
+
+
+def picture(trajectory: Trajectory, rows: Sequence[Row]) -> Figure:
+    """Mechanism, gaps, forces, impulses, energy and convergence of the slider crank."""
+    with plt.rc_context(plot.STYLE):
+        figure, axes = plt.subplots(3, 2, figsize=(11, 10), layout="constrained")
+        mechanism, gaps, forces, impulses, energy, convergence = axes.flat
+        draw_mechanism(mechanism, trajectory)
+        for ax, panel, title in [
+            (gaps, plot.gaps, "Gaps of the slider's corners: bouncing, then sliding along the walls"),
+            (forces, plot.forces, "Contact forces λ: only where a corner stays closed (grey: impacts)"),
+            (impulses, plot.impulses, "Impulses Λ: only at impacts, told apart from the forces"),
+            (energy, plot.energy, "Energy: lost at impacts and by friction"),
+        ]:
+            panel(ax, trajectory)
+            ax.set_title(title, loc="left")
+            ax.set_xlabel("time t [s]")
+        draw_convergence(convergence, rows)
+        figure.suptitle(
+            "Slider crank with impacts and dry friction, half-explicit trapezoidal rule, Δt = 1e-5 s"
+        )
+        return figure
+
+
+def draw_mechanism(ax: Axes, trajectory: Trajectory) -> None:
+    """Crank, rod and slider in some positions of the first turn."""
+    first_turn = np.flatnonzero(trajectory.q[:, 0] < 2 * np.pi)
+    plot.shapes(
+        ax, trajectory, np.linspace(first_turn[-1] * 0.08, first_turn[-1] * 0.55, 4).astype(int).tolist()
+    )
+    for wall in (-0.026, 0.026):
+        ax.plot([0.08, 0.53], [wall, wall], color="black", linewidth=1.5)
+    ax.set_title("Crank, rod and slider in its notch", loc="left")
+
+
+def draw_convergence(ax: Axes, rows: Sequence[Row]) -> None:
+    """Errors over Δt, and the paper's."""
+    for index, scheme in enumerate(dict.fromkeys(row.scheme for row in rows)):
+        mine = [row for row in rows if row.scheme == scheme]
+        steps = [row.dt for row in mine]
+        ax.loglog(steps, [row.error for row in mine], "o-", color=f"C{index}", label=SHORT[scheme])
+        printed = [(row.dt, row.paper) for row in mine if row.paper is not None]
+        ax.loglog(
+            *zip(*printed, strict=True), "x", color=f"C{index}", markersize=9, label="  the paper's values"
+        )
+    ax.set_xlabel("time step Δt [s]")
+    ax.set_ylabel("error of the angles, spectral 2-norm")
+    ax.set_title("Convergence against the reference with Δt = 1e-7 s (Table 3)", loc="left")
+    ax.legend()

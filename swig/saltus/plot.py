@@ -1,0 +1,132 @@
+"""Pictures of runs. Every panel is a function (axes, trajectory), figures are made of panels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from saltus.io import Trajectory
+    from saltus.typing import FloatArray
+
+MOST_LINES = 12  #: more contacts than that are drawn without a legend
+STYLE: Any = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "lines.linewidth": 1.1,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+}
+
+
+def plot_trajectory(trajectory: Trajectory) -> Figure:
+    """Positions, gaps, forces, impulses and energy over time; grey lines mark impacts."""
+    with plt.rc_context(STYLE):
+        panels = [positions]
+        if trajectory.contacts:
+            panels += [gaps, forces, impulses]
+        panels.append(energy)
+        figure, axes = plt.subplots(
+            len(panels), 1, figsize=(8, 2.2 * len(panels)), sharex=True, squeeze=False, layout="constrained"
+        )
+        for panel, ax in zip(panels, axes[:, 0], strict=True):
+            panel(ax, trajectory)
+        axes[-1, 0].set_xlabel("time t [s]")
+        return figure
+
+
+def positions(ax: Axes, trajectory: Trajectory) -> None:
+    """Positions q."""
+    lines = ax.plot(trajectory.t, trajectory.q)
+    if len(lines) <= MOST_LINES:
+        ax.legend(lines, [f"q{k}" for k in range(len(lines))], loc="upper right", ncols=4)
+    ax.set_ylabel("position q\n[m or rad]")
+
+
+def gaps(ax: Axes, trajectory: Trajectory) -> None:
+    """Gap g of every contact."""
+    for index, name in enumerate(trajectory.contacts):
+        ax.plot(trajectory.t, trajectory[name].gap * 1e3, _line(index), label=name)
+    ax.axhline(0.0, color="black", linewidth=0.6)
+    ax.set_ylabel("gap g [mm]")
+    _legend(ax, trajectory)
+
+
+def forces(ax: Axes, trajectory: Trajectory) -> None:
+    """Normal force of every contact, the mean of λ⁺ and λ⁻."""
+    for index, name in enumerate(trajectory.contacts):
+        ax.plot(trajectory.t, trajectory[name].force[:, 0], _line(index), label=name)
+    _mark_impacts(ax, trajectory)
+    ax.set_ylabel("force λ_N [N]")
+    _legend(ax, trajectory)
+
+
+def impulses(ax: Axes, trajectory: Trajectory) -> None:
+    """Normal impulse Λ of every contact, where there is one."""
+    for index, name in enumerate(trajectory.contacts):
+        impulse = trajectory[name].impulse[:, 0]
+        rows = np.flatnonzero(impulse)
+        color = f"C{index % 10}"
+        ax.vlines(trajectory.t[rows], 0.0, impulse[rows], color=color, linewidth=1.0)
+        ax.plot(trajectory.t[rows], impulse[rows], "o", markersize=3.5, color=color, label=name)
+    ax.set_ylabel("impulse Λ_N [N s]")
+    _legend(ax, trajectory)
+
+
+def energy(ax: Axes, trajectory: Trajectory) -> None:
+    """Total energy, or the kinetic one where a system does not know its potential."""
+    known = bool(np.isfinite(trajectory.energy).all())
+    ax.plot(trajectory.t, trajectory.energy if known else trajectory.kinetic_energy, color="black")
+    _mark_impacts(ax, trajectory)
+    ax.set_ylabel("total energy [J]" if known else "kinetic energy [J]")
+
+
+def shapes(ax: Axes, trajectory: Trajectory, rows: Sequence[int]) -> None:
+    """The systems' shapes in these rows of the run, the last one darkest."""
+    ax.set_aspect("equal")
+    for order, row in enumerate(rows):
+        shade = 0.3 + 0.7 * (order + 1) / len(rows)
+        for index, shape in enumerate(trajectory.shapes):
+            points = place(shape.outline, shape.poses[row])
+            ax.plot(points[:, 0], points[:, 1], color=f"C{index % 10}", alpha=shade**2, linewidth=0.6 + shade)
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
+
+
+def place(outline: FloatArray, pose: FloatArray) -> FloatArray:
+    """Outline (points, 2) in a frame at pose = (x, y, angle)."""
+    x, y, angle = pose
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    placed: FloatArray = outline @ turn + np.array([x, y])
+    return placed
+
+
+def _mark_impacts(ax: Axes, trajectory: Trajectory) -> None:
+    times = trajectory.t[trajectory.impulsive]
+    if len(times) < len(trajectory) / 2:  # where every step is one, marks say nothing
+        for t in times:
+            ax.axvline(t, color="0.8", linewidth=0.5, zorder=0)
+
+
+def _line(index: int) -> str:
+    """Every other line is dashed, so that one on top of another leaves it visible."""
+    return "-" if index % 2 == 0 else "--"
+
+
+def _legend(ax: Axes, trajectory: Trajectory) -> None:
+    """Names of the contacts, in a strip above the data."""
+    if 0 < len(trajectory.contacts) <= MOST_LINES:
+        low, high = ax.get_ylim()
+        ax.set_ylim(low, high + 0.2 * (high - low))
+        ax.legend(loc="upper center", ncols=4)

@@ -1,0 +1,91 @@
+"""Contact problems from Python: what is called solved satisfies the laws as they are written down."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from saltus import numerics
+from saltus.numerics import Coulomb, Equality, NonNegative
+
+
+def violation(sets, P, xi):
+    """Largest violation of the laws, relative: signs, products, friction cone, direction of friction."""
+    worst, row = 0.0, 0
+    size = 1.0 + np.abs(P).max() + np.abs(xi).max()
+    for law in sets:
+        if isinstance(law, Equality):
+            worst = max(worst, abs(xi[row]))
+            row += 1
+            continue
+        worst = max(worst, -xi[row], -P[row], min(abs(xi[row]), abs(P[row])))
+        if isinstance(law, Coulomb):
+            force, slip = P[row + 1], xi[row + 1]
+            radius = law.mu * max(P[row], 0.0)
+            worst = max(worst, abs(force) - radius, min(abs(slip), abs(force + np.sign(slip) * radius)))
+            row += 1
+        row += 1
+    return worst / size
+
+
+@st.composite
+def problems(draw):
+    sets = draw(
+        st.lists(
+            st.one_of(
+                st.just(Equality()),
+                st.just(NonNegative()),
+                st.floats(0.0, 1.5).map(Coulomb),
+            ),
+            min_size=1,
+            max_size=4,
+        )
+    )
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    rows = sum(2 if isinstance(law, Coulomb) else 1 for law in sets)
+    freedoms = rows + draw(st.integers(0, 2))
+    W = rng.normal(size=(freedoms, rows))
+    return sets, W.T @ W, rng.normal(size=rows)
+
+
+@settings(max_examples=300, deadline=None)
+@given(problems())
+def test_solved_means_solved(problem):
+    sets, G, b = problem
+    auto = numerics.solve(G, b, sets)
+    every = numerics.solve(G, b, sets, solver="enumeration")
+    assert every.status != "solved" or auto.status == "solved"
+    for solution in (auto, every):
+        if solution.status == "solved":
+            np.testing.assert_allclose(solution.xi, G @ solution.P + b, atol=1e-12 * solution.scale)
+            assert violation(sets, solution.P, solution.xi) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("b", "P"),
+    [
+        ([1.0, 3.0], [0.0, 0.0]),  # open
+        ([-2.0, 0.5], [1.0, -0.25]),  # stick
+        ([-2.0, 4.0], [1.0, -0.5]),  # slip
+        ([-2.0, -4.0], [1.0, 0.5]),  # slip the other way
+    ],
+)
+@pytest.mark.parametrize("solver", list(numerics.solvers()))
+def test_one_frictional_contact(solver, b, P):
+    solution = numerics.solve(2.0 * np.eye(2), b, [Coulomb(0.5)], solver=solver)
+    assert solution.status == "solved"
+    np.testing.assert_allclose(solution.P, P, atol=1e-14)
+
+
+def test_warm_start_is_the_start_not_the_answer():
+    G = np.array([[2.0, 1.0], [1.0, 2.0]])
+    cold = numerics.solve(G, [-1.0, -3.0], [NonNegative(), NonNegative()])
+    warm = numerics.solve(G, [-1.0, -3.0], [NonNegative(), NonNegative()], warm_start=[5.0, 5.0])
+    np.testing.assert_allclose(cold.P, [0.0, 1.5])
+    np.testing.assert_allclose(warm.P, cold.P)
+
+
+def test_what_has_no_solution_is_not_called_solved():
+    for solver in numerics.solvers():
+        solution = numerics.solve([[0.0]], [-1.0], [NonNegative()], solver=solver)
+        assert solution.status in ("breakdown", "iteration-limit")
+        assert solution.residual == pytest.approx(1.0)
