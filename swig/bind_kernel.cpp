@@ -261,7 +261,7 @@ void bind_simulation(py::module_& module) {
       .def_readonly("residual", &StepReport::residual, "largest certificate of the step [m/s]")
       .def_readonly("penetration", &StepReport::penetration, "[m]")
       .def_readonly("kinetic_energy", &StepReport::kinetic_energy, "at the end [J]")
-      .def_readonly("work_forces", &StepReport::work_forces, "of h over the step [J]")
+      .def_readonly("work_forces", &StepReport::work_forces, "of h and of the change of M over the step [J]")
       .def_readonly("work_lambda", &StepReport::work_lambda, "of λ⁺ and λ⁻ over the step [J]")
       .def_readonly("work_impulse", &StepReport::work_impulse, "of Λ [J]");
   py::classh<Observer>(module, "Observer", "Looks at the steps of a run.");

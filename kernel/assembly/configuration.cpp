@@ -62,9 +62,10 @@ void Configuration::solve_mass(Vec& x) const {
     solve_mass(static_cast<int>(k), x.data() + layout_->systems[k].offset);
 }
 
-double Configuration::kinetic_energy(const Vec& v) const {
+double Configuration::kinetic_energy(const Vec& v, bool only_varying) const {
   double twice = 0.0;
   for (const auto& system : layout_->systems) {
+    if (only_varying && system.constant_mass) continue;
     const double* M = mass_.data() + system.block;
     const double* w = v.data() + system.offset;
     for (int i = 0; i < system.n; ++i, M += system.n) {
@@ -118,6 +119,12 @@ In Configuration::local_position(const Layout::Contact& contact) {
   std::copy_n(q_.data() + first.offset, first.n, local_.data());
   std::copy_n(q_.data() + second.offset, second.n, local_.data() + first.n);
   return {local_.data(), contact.n};
+}
+
+double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,
+                    const Vec& v_end) {
+  auto change = [&](const Vec& v) { return end.kinetic_energy(v, true) - start.kinetic_energy(v, true); };
+  return 0.5 * (change(v_start) + change(v_end));
 }
 
 void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h) {

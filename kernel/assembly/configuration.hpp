@@ -26,8 +26,8 @@ class Configuration {
   void solve_mass(int system, double* x) const { factor(system).solve(x); }
   /// x <- M⁻¹ x, x (n)
   void solve_mass(Vec& x) const;
-  /// ½ vᵀ M v [J]
-  double kinetic_energy(const Vec& v) const;
+  /// ½ vᵀ M v [J], of all systems or of those whose M depends on q
+  double kinetic_energy(const Vec& v, bool only_varying = false) const;
 
   /// Gaps of all contacts (gaps) [m]
   const Vec& gaps() const { return gaps_; }
@@ -55,6 +55,11 @@ class Configuration {
   std::vector<unsigned char> has_jacobian_;
   bool factorised_ = false;
 };
+
+/// ∫ ½ vᵀṀv dt between two positions by the trapezoidal rule [J]: what the gyroscopic part of h takes away,
+/// so that work of h and this together are the work of the applied forces. Both must be factorised.
+double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,
+                    const Vec& v_end);
 
 /// h(t, q, v) of all systems. @param[out] h (n)
 void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h);

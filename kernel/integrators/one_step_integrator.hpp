@@ -43,7 +43,7 @@ struct StepReport {
   double residual = 0.0;        ///< largest certificate of the step [m/s]
   double penetration = 0.0;     ///< largest -g of the unilateral contacts at the end [m]
   double kinetic_energy = 0.0;  ///< at the end [J]
-  double work_forces = 0.0;     ///< of h over the step, by the scheme's quadrature [J]
+  double work_forces = 0.0;     ///< of h and ½ vᵀṀv over the step, by the scheme's quadrature [J]
   double work_lambda = 0.0;     ///< of λ⁺, λ⁻ likewise [J]
   double work_impulse = 0.0;    ///< of Λ: exactly the jump of the kinetic energy [J]
 };

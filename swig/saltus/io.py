@@ -217,7 +217,7 @@ class Trajectory:
 
     @property
     def work_forces(self) -> FloatArray:
-        """Work of h in the step (rows,) [J]."""
+        """Work of the applied forces in the step, of h and of the change of M (rows,) [J]."""
         return self._float("work_forces")
 
     @property

@@ -150,12 +150,15 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   assembly.gather(impulse_, 0.0, contacts_->P());
   if (!contacts_->solve(report)) return false;  // (56)-(58)
   assembly.scatter(contacts_->P(), 1.0, impulse_);
+  report.work_forces = inertia_work(at(0), end, stages_[0].v, v);
   assembly.apply(1.0, contacts_->P().data(), v);  // (68)
   report.work_impulse = assembly.work(contacts_->P(), gamma_);
   return true;
 }
 
 void HalfExplicit::take_work(double dt, StepReport& report) {
+  if (!report.impulsive)
+    report.work_forces = inertia_work(at(0), at(s_ + 1), stages_[0].v, stages_[s_ + 1].v);
   for (int k = 0; k <= s_; ++k) {
     const double weight = dt * tableau_.Av(s_, k);
     report.work_forces += weight * stages_[k].h.dot(stages_[k].v);

@@ -37,6 +37,7 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
   report.work_forces = dt * h_.dot(state.v);
   start.solve_mass(h_);
   v_ = state.v + dt * h_;
+  report.work_forces += inertia_work(start, end, state.v, v_);
   if (contact_impulses(reactions, report)) commit(dt, state, reactions, report);
   return report;
 }
