@@ -34,7 +34,7 @@ Coulomb friction with μ = 0.01 act in each corner.
 3. Run it
 ---------
 `build()` composes the model; run this file to see the impacts of the first 0.1 s under two integrators.
-The classes below are the model in Python. The same formulas in C++ (slider_crank.cpp) are some thirty
+The classes below are the model in Python. The same formulas in C++ (slider_crank.cpp) are some twenty
 times faster; both give the same trajectory.
 """
 
