@@ -15,13 +15,13 @@ constexpr double singular = 1e-11;
 constexpr int small = 24;
 
 template <int Max>
-void minimum_norm(const PoolMatrix& A, const PoolVec& y, PoolVec& x) {
+void nearest(const PoolMatrix& A, const PoolVec& y, const PoolVec& start, PoolVec& x) {
   using M = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Max, Max>;
   Eigen::CompleteOrthogonalDecomposition<M> decomposition;
   decomposition.setThreshold(singular);
   decomposition.compute(A.view());
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Max, 1> right = y.view();
-  x.view() = decomposition.solve(right);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Max, 1> right = y.view() - A.view() * start.view();
+  x.view() = start.view() + decomposition.solve(right);
 }
 
 }  // namespace
@@ -31,11 +31,13 @@ void DenseSolve::reserve(int size) {
   lu_.reserve(size, size);
   y_.reserve(size);
   x_.reserve(size);
+  start_.reserve(size);
 }
 
 void DenseSolve::resize(int size) {
   A_.resize(size, size);
   y_.resize(size);
+  start_.resize(size);
 }
 
 const double* DenseSolve::solve() {
@@ -43,9 +45,9 @@ const double* DenseSolve::solve() {
   x_.resize(n);
   if (!eliminate()) {
     if (n <= small)
-      saltus::minimum_norm<small>(A_, y_, x_);
+      nearest<small>(A_, y_, start_, x_);
     else
-      saltus::minimum_norm<Eigen::Dynamic>(A_, y_, x_);
+      nearest<Eigen::Dynamic>(A_, y_, start_, x_);
   }
   return x_.data();
 }

@@ -7,7 +7,7 @@ namespace saltus {
 
 /// Solves small dense systems A x = y, unsymmetric and possibly singular, without allocation
 /// while the system is regular: LU with partial pivoting; where a pivot vanishes, the least-squares
-/// solution of minimum norm (a Gauss-Newton step) by a complete orthogonal decomposition.
+/// solution nearest to a start (a Gauss-Newton step) by a complete orthogonal decomposition.
 class DenseSolve {
  public:
   void reserve(int size);
@@ -15,6 +15,8 @@ class DenseSolve {
   void resize(int size);
   PoolMatrix& A() { return A_; }
   PoolVec& y() { return y_; }
+  /// The start: of the solutions of a singular system the nearest to it is taken. Zero gives minimum norm.
+  PoolVec& start() { return start_; }
   /// @return the solution (size), valid until the next call
   const double* solve();
 
@@ -22,7 +24,7 @@ class DenseSolve {
   bool eliminate();
 
   PoolMatrix A_, lu_;
-  PoolVec y_, x_;
+  PoolVec y_, x_, start_;
 };
 
 }  // namespace saltus

@@ -18,7 +18,6 @@ void ActiveSet::reserve(int rows) {
 }
 
 void ActiveSet::solve(const ContactProblem& problem, double* P) {
-  std::fill_n(P, problem.rows(), 0.0);
   unknowns_.clear();
   int row = 0;
   for (int k = 0; k < problem.contacts(); ++k) {
@@ -40,8 +39,10 @@ void ActiveSet::solve(const ContactProblem& problem, double* P) {
       linear_.A()(i, j) = slip == 0.0 ? G[column] : G[column] + slip * G[column + 1];
     }
     linear_.y()[i] = -problem.b[unknowns_[i].row];
+    linear_.start()[i] = P[unknowns_[i].row];
   }
   const double* x = linear_.solve();
+  std::fill_n(P, problem.rows(), 0.0);
   for (int j = 0; j < n; ++j) {
     const auto [column, slip] = unknowns_[j];
     P[column] = x[j];

@@ -24,8 +24,9 @@ class ActiveSet {
   void reserve(int rows);
   /// The modes, one a contact, to be chosen before solve().
   std::vector<Mode>& modes() { return modes_; }
-  /// P that satisfies the equations of modes(), of minimum norm where contacts depend on each other.
-  /// @param[out] P (rows) [N s]
+  /// P that satisfies the equations of modes(); where contacts depend on each other, the nearest to the P
+  /// that comes in, so that a P which is almost right stays so.
+  /// @param[in,out] P (rows) [N s]
   void solve(const ContactProblem& problem, double* P);
 
  private:

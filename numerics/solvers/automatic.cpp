@@ -3,12 +3,18 @@
 #include <algorithm>
 
 namespace saltus {
+namespace {
+
+constexpr int most_rounds = 50;
+
+}  // namespace
 
 void Automatic::reserve(int rows) {
   newton_.reserve(rows);
   enumeration_.reserve(rows);
   sweeps_.reserve(rows);
   trial_.reserve(rows);
+  sweeps_P_.reserve(rows);
   xi_.reserve(rows);
 }
 
@@ -29,20 +35,26 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
 
   const int rows = problem.rows();
   trial_.resize(rows);
-  auto improved_by = [&](ContactSolver& method) {
-    const SolveReport report = method.solve(problem, trial_.data());
+  auto improved_by = [&](ContactSolver& method, double* start) {
+    const SolveReport report = method.solve(problem, start);
     if (report.status == SolveStatus::solved || report.certificate.residual < best.certificate.residual) {
       best = report;
-      std::copy_n(trial_.data(), rows, P);
+      std::copy_n(start, rows, P);
     }
     return best.status == SolveStatus::solved;
   };
   std::fill_n(trial_.data(), rows, 0.0);
-  if (improved_by(newton_)) return best;
-  if (enumeration_.accepts(problem) && improved_by(enumeration_)) return best;
+  if (improved_by(newton_, trial_.data())) return best;
   std::fill_n(trial_.data(), rows, 0.0);
-  if (improved_by(sweeps_)) return best;
-  improved_by(newton_);  // from where the sweeps ended
+  if (enumeration_.accepts(problem) && improved_by(enumeration_, trial_.data())) return best;
+  // Sweeps come near a solution, Newton's method makes it exact: in turn, until both agree.
+  sweeps_P_.resize(rows);
+  std::fill_n(sweeps_P_.data(), rows, 0.0);
+  for (int round = 0; round < most_rounds; ++round) {
+    if (improved_by(sweeps_, sweeps_P_.data())) return best;
+    std::copy_n(sweeps_P_.data(), rows, trial_.data());
+    if (improved_by(newton_, trial_.data())) return best;
+  }
   return best;
 }
 

@@ -6,7 +6,7 @@
 namespace saltus {
 
 /// The default: Newton from the warm start; if that ends nowhere, Newton from P = 0, enumeration where
-/// the problem is small enough, and Newton after some Gauss-Seidel sweeps. The report names the method
+/// the problem is small enough, and Newton in turn with Gauss-Seidel sweeps. The report names the method
 /// that answered; a failure keeps the P with the smallest residual.
 class Automatic final : public ContactSolver {
  public:
@@ -21,8 +21,8 @@ class Automatic final : public ContactSolver {
 
   SemismoothNewton newton_;
   Enumeration enumeration_;
-  Nsgs sweeps_{200};
-  PoolVec trial_, xi_;
+  Nsgs sweeps_{100};
+  PoolVec trial_, sweeps_P_, xi_;
 };
 
 }  // namespace saltus

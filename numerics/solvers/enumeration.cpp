@@ -51,6 +51,7 @@ SolveReport Enumeration::solve(const ContactProblem& problem, double* P) {
       active_.modes()[k] = choice(problem.sets[k], rest % choices(problem.sets[k]));
       rest /= choices(problem.sets[k]);
     }
+    std::fill_n(trial_.data(), rows, 0.0);
     active_.solve(problem, trial_.data());
     const Certificate certificate = certify(problem, trial_.data(), xi_.data());
     const bool solved = certificate.within(default_tolerance);
