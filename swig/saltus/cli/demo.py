@@ -37,8 +37,8 @@ def run(out: Path) -> None:
         If the folder cannot be written; nothing is computed then.
     """
     require_writable(out)
-    rows = reproduce.compute(reproduce.Target.table3)
-    reproduce.print_table(reproduce.TITLES[reproduce.Target.table3], "table3", rows)
+    rows = reproduce.compute("table3")
+    reproduce.print_table("table3", rows)
     finest = min((row for row in rows if row.scheme == SCHEME), key=lambda row: row.dt)
     finest.trajectory.to_hdf5(out / "slider_crank.h5")
     (out / "table3.json").write_text(json.dumps(reproduce.to_json(rows), indent=2) + "\n")

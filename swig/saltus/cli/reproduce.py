@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from enum import Enum
 from typing import Any
 
 from rich.console import Console
@@ -14,32 +13,24 @@ from saltus.cli.progress import progress_bar
 from saltus.examples.slider_crank import convergence
 from saltus.examples.slider_crank.convergence import Row
 
-
-class Target(str, Enum):
-    """What can be reproduced."""
-
-    table2 = "table2"
-    table3 = "table3"
-
-
 TITLES = {
-    Target.table2: "Table 2: bilateral slider crank until 0.1 s",
-    Target.table3: "Table 3: slider crank with impacts and friction until 0.1 s",
+    "table2": "Table 2: bilateral slider crank until 0.1 s",
+    "table3": "Table 3: slider crank with impacts and friction until 0.1 s",
 }
 
 
-def run(what: Target, *, as_json: bool) -> None:
+def run(what: str, *, as_json: bool) -> None:
     """Compute the table and print it."""
     rows = compute(what)
     if as_json:
         print(json.dumps(to_json(rows), indent=2))
     else:
-        print_table(TITLES[what], what.value, rows)
+        print_table(what, rows)
 
 
-def compute(what: Target) -> list[Row]:
+def compute(what: str) -> list[Row]:
     """All rows of a table; progress goes to stderr."""
-    table = convergence.table2 if what is Target.table2 else convergence.table3
+    table = convergence.table2 if what == "table2" else convergence.table3
     with progress_bar() as show:
         return list(table(show))
 
@@ -50,10 +41,10 @@ def to_json(rows: Sequence[Row]) -> dict[str, list[dict[str, Any]]]:
     return {"rows": [{key: getattr(row, key) for key in keys} for row in rows]}
 
 
-def print_table(title: str, table: str, rows: Sequence[Row]) -> None:
+def print_table(table: str, rows: Sequence[Row]) -> None:
     """Print to stdout: our error and the paper's, observed order, cost per step and its ratio."""
     console = Console()
-    console.print(title, style="bold")
+    console.print(TITLES[table], style="bold")
     for variant in dict.fromkeys(row.variant for row in rows):
         console.print(grid_of([row for row in rows if row.variant == variant], variant))
     console.print(

@@ -1,0 +1,68 @@
+"""The command ``saltus``."""
+
+from __future__ import annotations
+
+import sys
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from saltus import __version__
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+class Target(str, Enum):
+    """What can be reproduced of the paper."""
+
+    table2 = "table2"
+    table3 = "table3"
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"saltus {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def saltus(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Simulate mechanical systems whose velocities jump: contact, impact, dry friction."""
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("out/demo"),
+) -> None:
+    """Run the frictional slider crank: Table 3 of the paper, a trajectory and a picture."""
+    from saltus.cli.demo import run  # plotting takes a second to load: only where it is needed
+
+    run(out)
+
+
+@app.command()
+def reproduce(
+    what: Annotated[Target, typer.Argument(help="What to reproduce of the paper.")],
+    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """Compute a table of the paper and print it beside the printed values."""
+    from saltus.cli.reproduce import run
+
+    run(what.value, as_json=json)
+
+
+def main() -> None:
+    """Run the command; an error that a user can mend is one line on stderr."""
+    try:
+        app()
+    except (ValueError, OSError) as error:
+        text = getattr(error, "strerror", None) or str(error)
+        Console(stderr=True, soft_wrap=True).print(f"saltus: {text}", style="red", markup=False)
+        sys.exit(1)
