@@ -23,14 +23,15 @@ using Square = Eigen::Matrix<double, N, N>;
 
 }  // namespace
 
-void SpdFactor::reserve(int n) { values_.reserve(static_cast<std::size_t>(n) * n); }
+// Sized rather than reserved: a copy of a vector keeps its size, not its capacity.
+void SpdFactor::reserve(int n) { values_.resize(static_cast<std::size_t>(n) * n); }
 
 bool SpdFactor::factorise(const InMatrix& M) {
   n_ = static_cast<int>(M.rows());
   diagonal_ = n_ == 1;
   if (diagonal_) {
     values_.assign(1, 1.0 / M(0, 0));
-    return M(0, 0) > 0.0 && std::isfinite(values_[0]);
+    return M(0, 0) > 0.0 && std::isfinite(M(0, 0)) && std::isfinite(values_[0]);
   }
   values_.resize(static_cast<std::size_t>(n_) * n_);
   return with_size(n_, [&]<int N>() {
@@ -51,7 +52,7 @@ bool SpdFactor::factorise_constant(const InMatrix& M) {
   bool positive = true;
   for (int i = 0; i < n_; ++i) {
     values_[i] = 1.0 / M(i, i);
-    positive = positive && M(i, i) > 0.0 && std::isfinite(values_[i]);
+    positive = positive && M(i, i) > 0.0 && std::isfinite(M(i, i)) && std::isfinite(values_[i]);
   }
   return positive;
 }

@@ -22,8 +22,8 @@ struct Tableau {
 /// The forecasting trapezoidal rule on velocity level (62)-(68), the same as (A.1)-(A.10).
 Tableau trapezoidal_tableau();
 
-/// @throws std::invalid_argument if shapes disagree, a row is not consistent (Σ_k Av_lk = c_l, Σ b = 1),
-///         or Av_{l,l-1} <= 0: complementarity would change its sign
+/// @throws std::invalid_argument if shapes disagree, a row does not sum up to c_l (the output to 1), it
+///         uses a stage that comes after it, or Av_{l,l-1} <= 0: complementarity would change its sign
 void validate(const Tableau& tableau);
 
 }  // namespace saltus

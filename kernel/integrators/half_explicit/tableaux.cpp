@@ -28,14 +28,17 @@ void validate(const Tableau& t) {
       refuse("coefficients must be (" + std::to_string(n) + ", " + std::to_string(n) + "), got (" +
              std::to_string(A->rows()) + ", " + std::to_string(A->cols()) + ")");
   for (int l = 1; l <= n; ++l) {
+    const std::string row = "row " + std::to_string(l);
     const double time = l < n ? t.c[l] : 1.0;
+    for (const Matrix* A : {&t.Ac, &t.Av, &t.Aq}) {
+      if (!(std::abs(A->row(l - 1).sum() - time) < 1e-12))
+        refuse(row + " must sum up to " + std::to_string(time));
+      const int known = A == &t.Aq ? l + 1 : l;  // stages that a row may use: q_l may use v_l
+      if (known < n && A->row(l - 1).tail(n - known).any()) refuse(row + " uses a stage that comes after it");
+    }
     const double multiplier = t.Av(l - 1, l - 1);
-    if (!(std::abs(t.Av.row(l - 1).sum() - time) < 1e-12) ||
-        !(std::abs(t.Aq.row(l - 1).sum() - time) < 1e-12))
-      refuse("row " + std::to_string(l) + " must sum up to " + std::to_string(time));
     if (!(multiplier > 0.0))
-      refuse("a_{l,l-1} must be positive in row " + std::to_string(l) + ", got " +
-             std::to_string(multiplier));
+      refuse("a_{l,l-1} must be positive in " + row + ", got " + std::to_string(multiplier));
   }
 }
 

@@ -73,7 +73,6 @@ void ExplicitMoreauJean::commit(double dt, State& state, Reactions& reactions, S
     report.status = StepStatus::not_finite;
     return;
   }
-  report.impulsive = !active_.empty();
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) report.closed += end.closed(k);
   report.penetration = end.penetration();
   report.kinetic_energy = end.kinetic_energy(v_);
@@ -82,6 +81,7 @@ void ExplicitMoreauJean::commit(double dt, State& state, Reactions& reactions, S
   state.v = v_;
   reactions.impulse.setZero();
   contacts_->assembly().scatter(contacts_->P(), 1.0, reactions.impulse);
+  report.impulsive = reactions.impulse.any();
   std::swap(configurations_[0], configurations_[1]);
 }
 

@@ -1,0 +1,130 @@
+// A step allocates nothing: every malloc of the process is counted while steps are taken.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <new>
+
+#include "slider_crank/slider_crank.hpp"
+#include "support/models.hpp"
+#include "support/runs.hpp"
+
+namespace {
+
+std::atomic<bool> counting{false};
+std::atomic<long> allocations{0};
+
+void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+// The C library's own names for what is replaced here.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* block, std::size_t size) {
+  count();
+  return __libc_realloc(block, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) { return memalign(alignment, size); }
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  *out = memalign(alignment, size);
+  return *out ? 0 : ENOMEM;
+}
+}
+
+namespace saltus::test {
+namespace {
+
+class NoAllocation : public testing::TestWithParam<std::string> {
+ protected:
+  struct Counted {
+    long allocations, impacts, closed;
+  };
+
+  static Counted count_in(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme, double dt,
+                          int warm_up, int steps) {
+    TimeStepping simulation(model, scheme, dt);
+    for (int k = 0; k < warm_up; ++k) simulation.step();
+    Counted result{};
+    allocations = 0;
+    counting = true;
+    for (int k = 0; k < steps; ++k) {
+      const StepReport& report = simulation.step();
+      result.impacts += report.impulsive;
+      result.closed += report.closed > 0;
+    }
+    counting = false;
+    result.allocations = allocations;
+    return result;
+  }
+};
+
+TEST_P(NoAllocation, SliderCrankWithFriction) {
+  const auto model = examples::make_slider_crank(examples::Guidance::frictional);
+  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-4, 200, 2000);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.impacts, 5);  // else nothing of interest was counted
+  EXPECT_GT(counted.closed, 5);
+}
+
+TEST_P(NoAllocation, SliderCrankOnItsGuide) {
+  const auto model = examples::make_slider_crank(examples::Guidance::equality);
+  EXPECT_EQ(count_in(model, *make_integrator(GetParam()), 1e-4, 0, 500).allocations, 0);
+}
+
+TEST_P(NoAllocation, TwoSystemsInContact) {
+  const Counted counted = count_in(make_stack(0.1, 0.5), *make_integrator(GetParam()), 1e-3, 0, 2000);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.impacts, 2);
+}
+
+TEST_P(NoAllocation, TwoBalls) {
+  const Counted counted =
+      count_in(make_two_balls(1.0, 2.0, 1.0, -1.0, 0.8), *make_integrator(GetParam()), 1e-3, 0, 200);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GE(counted.impacts, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+
+TEST(Counting, SeesEveryKindOfAllocation) {
+  // If the replacement did not work, the tests above would prove nothing. The volatile pointers keep the
+  // compiler from removing the pairs.
+  allocations = 0;
+  counting = true;
+  int* volatile a = new int;
+  void* volatile b = std::malloc(8);
+  double* volatile c = new double[100];
+  void* volatile d = ::operator new(64, std::align_val_t(64));
+  const Vec e = Vec::Zero(50);
+  counting = false;
+  EXPECT_EQ(allocations, 5);
+  EXPECT_EQ(e.sum(), 0.0);
+  delete a;
+  std::free(b);
+  delete[] c;
+  ::operator delete(d, std::align_val_t(64));
+}
+
+}  // namespace
+}  // namespace saltus::test

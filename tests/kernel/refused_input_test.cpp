@@ -1,0 +1,200 @@
+// Every refusal of the kernel: bad input is a std::invalid_argument that names what was expected and
+// what came.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "saltus/numerics/solvers/registry.hpp"
+#include "slider_crank/slider_crank.hpp"
+#include "support/models.hpp"
+#include "support/runs.hpp"
+
+namespace saltus::test {
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN();
+const double inf = std::numeric_limits<double>::infinity();
+const Matrix one = Matrix::Identity(1, 1);
+
+TEST(Refused, StatesOfASystem) {
+  auto make = [](Vec q0, Vec v0) { return [=] { DoublePendulum(q0, v0); }; };
+  expect_refusal(make(Vec(), Vec()), {"q0", "at least one"});
+  expect_refusal(make(vec({0, 0}), vec({0})), {"v0 must have 2", "got 1"});
+  expect_refusal(make(vec({0, nan}), vec({0, 0})), {"q0 must be finite"});
+  expect_refusal(make(vec({0, inf}), vec({0, 0})), {"q0 must be finite"});
+  expect_refusal(make(vec({0, 0}), vec({-inf, 0})), {"v0 must be finite"});
+}
+
+TEST(Refused, TermsOfALinearSystem) {
+  auto make = [](Matrix M, LagrangianLinearTIDS::Terms terms) {
+    return [=] { LagrangianLinearTIDS(vec({0, 0}), vec({0, 0}), M, terms); };
+  };
+  const Matrix I = Matrix::Identity(2, 2);
+  EXPECT_NO_THROW(make(I, {.stiffness = I, .damping = I, .external_force = vec({1, 2})})());
+  expect_refusal(make(one, {}), {"mass must be (2, 2)", "got (1, 1)"});
+  expect_refusal(make(nan * I, {}), {"mass must be finite"});
+  expect_refusal(make((Matrix(2, 2) << 1, 0.5, 0.4, 1).finished(), {}), {"mass must be symmetric", "0.1"});
+  expect_refusal(make((Matrix(2, 2) << 1, 2, 2, 1).finished(), {}), {"mass must be positive definite", "-1"});
+  expect_refusal(make(Matrix::Zero(2, 2), {}), {"mass must be positive definite"});
+  expect_refusal(make(I, {.stiffness = one}), {"stiffness must be (2, 2)", "got (1, 1)"});
+  expect_refusal(make(I, {.stiffness = inf * I}), {"stiffness must be finite"});
+  expect_refusal(make(I, {.damping = Matrix::Zero(2, 3)}), {"damping must be (2, 2)", "got (2, 3)"});
+  expect_refusal(make(I, {.damping = nan * I}), {"damping must be finite"});
+  expect_refusal(make(I, {.external_force = vec({1})}), {"external_force must have 2", "got 1"});
+  expect_refusal(make(I, {.external_force = vec({1, nan})}), {"external_force must be finite"});
+}
+
+TEST(Refused, LawsOutOfRange) {
+  for (double e : {-0.1, 1.1, nan, inf}) {
+    expect_refusal([=] { NewtonImpactNSL law(e); }, {"restitution e", "[0, 1]", "got"});
+    expect_refusal([=] { NewtonImpactFrictionNSL(e, 0.0, 0.1, 2); }, {"restitution en", "[0, 1]"});
+    expect_refusal([=] { NewtonImpactFrictionNSL(0.0, e, 0.1, 2); }, {"restitution et", "[0, 1]"});
+  }
+  for (double mu : {-0.1, nan, inf})
+    expect_refusal([=] { NewtonImpactFrictionNSL(0.0, 0.0, mu, 2); }, {"mu", ">= 0", "got"});
+  for (int dim : {0, 1, 4})
+    expect_refusal([=] { NewtonImpactFrictionNSL(0.0, 0.0, 0.1, dim); }, {"dim", "2", "3", "got"});
+  expect_refusal([] { EqualityConditionNSL law(0); }, {"n >= 1", "got 0"});
+  EXPECT_NO_THROW(NewtonImpactFrictionNSL(1.0, 1.0, 0.0, 3));
+}
+
+TEST(Refused, RelationsOfTheWrongShape) {
+  expect_refusal([] { Circle(0, 1.0); }, {"size must be at least 1", "got 0"});
+  expect_refusal([] { LagrangianLinearTIR(Matrix::Zero(0, 2)); }, {"size must be at least 1"});
+  expect_refusal([] { LagrangianLinearTIR(one, vec({1, 2})); }, {"b must have 1", "got 2"});
+  expect_refusal([] { LagrangianLinearTIR(nan * one, vec({1})); }, {"H must be finite"});
+  expect_refusal([] { LagrangianLinearTIR(one, vec({inf})); }, {"b must be finite"});
+  const auto plane = std::make_shared<LagrangianLinearTIR>(one);
+  expect_refusal([] { Interaction(nullptr, NewtonImpactNSL(0.0)); }, {"needs a relation"});
+  expect_refusal([&] { Interaction(plane, NewtonImpactFrictionNSL(0.0, 0.0, 0.1, 2), "floor"); },
+                 {"same number of rows", "1 and 2", "'floor'"});
+  const Vec q = vec({1.0, 0.0});
+  double c[1];
+  EXPECT_THROW(Circle(1, 1.0).curvature(In(q.data(), 2), In(q.data(), 2), Out(c, 1)), std::logic_error);
+}
+
+TEST(Refused, ModelsThatDoNotFitTogether) {
+  using Model = NonSmoothDynamicalSystem;
+  const auto ball = std::make_shared<LagrangianLinearTIDS>(vec({0}), vec({0}), one);
+  const auto other = std::make_shared<LagrangianLinearTIDS>(vec({0}), vec({0}), one);
+  expect_refusal([] { Model({}); }, {"at least one dynamical system"});
+  expect_refusal([] { Model({nullptr}); }, {"system 0 is null"});
+  expect_refusal([&] { Model({ball, other, ball}); }, {"system 2 stands twice"});
+  expect_refusal([&] { Model({ball}, nan); }, {"t0 must be finite"});
+  Model model({ball});
+  const auto floor = linear_contact(one, vec({0}), NewtonImpactNSL(0.0), "floor");
+  expect_refusal([&] { model.link(nullptr, *ball); }, {"needs an interaction"});
+  expect_refusal([&] { model.link(floor, *other); }, {"not part"});
+  expect_refusal([&] { model.link(floor, *ball, other.get()); }, {"not part"});
+  expect_refusal([&] { model.link(floor, *ball, ball.get()); }, {"two different systems"});
+  const auto wide = linear_contact(Matrix::Ones(1, 2), vec({0}), NewtonImpactNSL(0.0), "wide");
+  expect_refusal([&] { model.link(wide, *ball); }, {"H must have 1 columns", "got 2"});
+  EXPECT_TRUE(model.links().empty());  // what was refused left nothing behind
+  model.link(floor, *ball);
+  expect_refusal([&] { model.link(floor, *ball); }, {"unique", "'floor'"});
+}
+
+// A system and a relation that are not finite where they are told.
+struct Sick final : LagrangianDS {
+  Sick(Matrix M, double h) : LagrangianDS(Vec::Zero(2), Vec::Zero(2)), M_(M), h_(h) {}
+  void mass(const In&, OutMatrix M) const override { M = M_; }
+  void forces(double, const In&, const In&, Out h) const override { h[1] = h_; }
+  Matrix M_;
+  double h_;
+};
+struct SickRelation final : Relation {
+  SickRelation(double g, double j) : Relation(1), g_(g), j_(j) {}
+  void gap(const In&, Out g) const override { g[0] = g_; }
+  void jacobian(const In&, OutMatrix J) const override { J(0, 0) = j_; }
+  double g_, j_;
+};
+
+TEST(Refused, SimulationsThatCannotStart) {
+  const auto model = make_ball(1.0, 0.0, 0.5);
+  const auto scheme = make_integrator("HalfExplicitTrapezoidalOSI");
+  for (double dt : {0.0, -1e-3, nan, inf})
+    expect_refusal([&, dt] { TimeStepping(model, *scheme, dt); },
+                   {"time_step", "positive and finite", "got"});
+  TimeStepping simulation(model, *scheme, 1e-3);
+  for (double until : {nan, inf})
+    expect_refusal([&, until] { simulation.run(until); }, {"until must be finite", "got"});
+  expect_refusal([&] { simulation.add_observer(nullptr); }, {"needs an observer"});
+  EXPECT_EQ(simulation.steps(), 0);
+}
+
+TEST(Refused, ModelsThatAreNotFiniteAtTheStart) {
+  const auto scheme = make_integrator("HalfExplicitTrapezoidalOSI");
+  auto start = [&](Matrix M, double h, double g, double j) {
+    return [=, &scheme] {
+      auto first = std::make_shared<DoublePendulum>(vec({0, 0}), vec({0, 0}));
+      auto sick = std::make_shared<Sick>(M, h);
+      NonSmoothDynamicalSystem model({first, sick});
+      model.link(
+          std::make_shared<Interaction>(std::make_shared<SickRelation>(g, j), NewtonImpactNSL(0.0), "joint"),
+          *sick);
+      TimeStepping(model, *scheme, 1e-3);
+    };
+  };
+  const Matrix I = Matrix::Identity(2, 2);
+  EXPECT_NO_THROW(start(I, 0.0, 0.0, 1.0)());
+  expect_refusal(start(-I, 0.0, 0.0, 1.0), {"mass of system 1", "positive definite"});
+  expect_refusal(start((Matrix(2, 2) << 1, 0.5, 0, 1).finished(), 0.0, 0.0, 1.0),
+                 {"mass of system 1", "symmetric"});
+  expect_refusal(start(nan * I, 0.0, 0.0, 1.0), {"mass of system 1", "finite"});
+  expect_refusal(start(I, inf, 0.0, 1.0), {"forces of system 1", "finite"});
+  expect_refusal(start(I, 0.0, nan, 1.0), {"gap of 'joint'", "finite"});
+  expect_refusal(start(I, 0.0, 0.0, nan), {"jacobian of 'joint'", "finite"});
+}
+
+TEST(Refused, LawsThatTheSolverDoesNotTake) {
+  auto ball = std::make_shared<LagrangianLinearTIDS>(vec({0, 0, 1}), vec({0, 0, 0}), Matrix::Identity(3, 3));
+  NonSmoothDynamicalSystem model({ball});
+  model.link(linear_contact(Matrix::Identity(3, 3), Vec::Zero(3), NewtonImpactFrictionNSL(0.0, 0.0, 0.1, 3),
+                            "floor"),
+             *ball);
+  for (const IntegratorEntry& entry : integrators())
+    for (const SolverEntry& solver : contact_solvers()) {
+      ContactProblem space;
+      space.G = Matrix(Matrix::Identity(3, 3));
+      space.b = Vec(Vec::Zero(3));
+      space.sets = {Coulomb{0.1, 3}};
+      if (solver.make()->accepts(space)) continue;
+      expect_refusal([&] { TimeStepping(model, *make_integrator(entry.name), 1e-3, *solver.make()); },
+                     {solver.name, "3 rows", "friction in space"});
+    }
+}
+
+TEST(Refused, UnknownNamesInTheRegistry) {
+  std::vector<std::string> words = {"'Euler'"};
+  for (const IntegratorEntry& entry : integrators()) words.push_back(entry.name);
+  expect_refusal([] { make_integrator("Euler"); }, words);
+  expect_refusal([] { make_integrator("HalfExplicitTrapezoidalOSI", {{"theta", "0.5"}}); },
+                 {"HalfExplicitTrapezoidalOSI", "'theta'", "activity"});
+  expect_refusal([] { make_integrator("HalfExplicitTrapezoidalOSI", {{"activity", "guessed"}}); },
+                 {"activity", "start, predicted", "'guessed'"});
+  expect_refusal([] { make_integrator("ExplicitMoreauJeanOSI", {{"activity", "start"}}); },
+                 {"'activity'", "none"});
+}
+
+TEST(Registry, EveryEntryMakesTheSchemeOfItsName) {
+  for (const IntegratorEntry& entry : integrators()) {
+    EXPECT_EQ(make_integrator(entry.name)->name(), entry.name);
+    EXPECT_EQ(make_integrator(entry.name)->clone()->name(), entry.name);
+    EXPECT_FALSE(entry.summary.empty());
+    for (const SchemeOption& option : entry.options)
+      for (const std::string& choice : option.choices)
+        EXPECT_NO_THROW(make_integrator(entry.name, {{option.name, choice}})) << entry.name << " " << choice;
+  }
+}
+
+TEST(Refused, TheSliderCranksOwn) {
+  using namespace examples;
+  const SliderCrankParameters p;
+  expect_refusal([&] { SliderCrank(Vec::Zero(2), Vec::Zero(2), p); }, {"3 freedoms", "got 2"});
+  expect_refusal([&] { SliderCorner(p.a, p.b, 3, p); }, {"1 or 2 rows", "got 3"});
+  expect_refusal([&] { SliderGuide(p).require_dimension(4); }, {"3 freedoms", "got 4"});
+}
+
+}  // namespace
+}  // namespace saltus::test

@@ -1,0 +1,95 @@
+// The slider crank of Section 2.1: what Table 1 and the geometry imply. The tables of Section 5 are
+// reproduced in Python.
+#include "slider_crank/slider_crank.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/models.hpp"
+#include "support/runs.hpp"
+
+namespace saltus::test {
+namespace {
+
+using examples::Guidance;
+
+TEST(SliderCrank, InitialEnergyOfTableOne) {
+  const auto model = examples::make_slider_crank(Guidance::frictional);
+  TimeStepping simulation(model, *make_integrator("HalfExplicitTrapezoidalOSI"), 1e-4);
+  const Vec q0 = model.q0();
+  const double energy =
+      simulation.report().kinetic_energy + model.systems()[0]->potential_energy(In(q0.data(), 3));
+  EXPECT_NEAR(energy, 7.49554875, 1e-8);
+}
+
+class SliderCrankRun : public testing::TestWithParam<std::string> {};
+
+TEST_P(SliderCrankRun, TheSliderDoesNotTurnBySymmetry) {
+  // Corners hit in pairs and share the load equally; θ3 = 0 is unstable, so an uneven share would grow.
+  const auto model = examples::make_slider_crank(Guidance::frictional);
+  int impacts = 0;
+  for (const Row& row : rows_of_run(model, *make_integrator(GetParam()), 1e-5, 0.1)) {
+    ASSERT_LT(std::abs(row.state.q[2]), 1e-9) << row.state.t;
+    ASSERT_LT(row.report.penetration, 1e-3) << row.state.t;
+    impacts += row.report.impulsive;
+  }
+  EXPECT_GT(impacts, 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, SliderCrankRun, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+
+TEST(SliderCrank, FreeFlightKeepsTheEnergy) {
+  const auto model = examples::make_slider_crank(Guidance::frictional);
+  const auto rows = rows_of_run(model, *make_integrator("HalfExplicitTrapezoidalOSI"), 1e-6, 1e-3);
+  for (const Row& row : rows) {
+    if (row.report.impulsive) break;
+    const double potential = model.systems()[0]->potential_energy(In(row.state.q.data(), 3));
+    ASSERT_NEAR(row.report.kinetic_energy + potential, 7.49554875, 1e-6) << row.state.t;
+  }
+}
+
+TEST(SliderCrank, JacobiansAreTheGradientsOfTheGaps) {
+  const examples::SliderCrankParameters p;
+  const Vec q = vec({0.7, -0.3, 0.2});
+  const double step = 1e-6;
+  for (double xi : {-p.a, p.a})
+    for (double eta : {-p.b, p.b}) {
+      const examples::SliderCorner corner(xi, eta, 2, p);
+      Matrix J = Matrix::Zero(2, 3);
+      corner.jacobian(In(q.data(), 3), OutMatrix(J.data(), 2, 3));
+      for (int k = 0; k < 3; ++k) {
+        double gap[2];
+        for (int side : {0, 1}) {
+          Vec moved = q;
+          moved[k] += side ? step : -step;
+          corner.gap(In(moved.data(), 3), Out(gap + side, 1));
+        }
+        EXPECT_NEAR(J(0, k), (gap[1] - gap[0]) / (2.0 * step), 1e-9);
+      }
+    }
+}
+
+TEST(SliderCrank, CurvaturesAreTheRatesOfTheJacobians) {
+  // (38): (dWᵀ/dt) v along q + t v
+  const examples::SliderCrankParameters p;
+  const Vec q = vec({0.7, -0.3, 0.2}), v = vec({3.0, -2.0, 5.0});
+  const double step = 1e-5;
+  const examples::SliderGuide guide(p);
+  const examples::SliderCorner upper(p.a, p.b, 2, p), lower(-p.a, -p.b, 2, p);
+  for (const Relation* relation : {static_cast<const Relation*>(&guide), static_cast<const Relation*>(&upper),
+                                   static_cast<const Relation*>(&lower)}) {
+    ASSERT_TRUE(relation->has_curvature());
+    Matrix before = Matrix::Zero(2, 3), after = Matrix::Zero(2, 3);
+    const Vec q_before = q - step * v, q_after = q + step * v;
+    relation->jacobian(In(q_before.data(), 3), OutMatrix(before.data(), 2, 3));
+    relation->jacobian(In(q_after.data(), 3), OutMatrix(after.data(), 2, 3));
+    Vec c = Vec::Zero(2);
+    relation->curvature(In(q.data(), 3), In(v.data(), 3), Out(c.data(), 2));
+    EXPECT_LT((c - (after - before) * v / (2.0 * step)).norm(), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace saltus::test

@@ -1,0 +1,104 @@
+#include "support/runs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+namespace saltus::test {
+
+std::string refusal(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "not a std::invalid_argument: " << error.what();
+    return "";
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return "";
+}
+
+void expect_refusal(const std::function<void()>& call, const std::vector<std::string>& words) {
+  const std::string message = refusal(call);
+  for (const std::string& word : words)
+    EXPECT_NE(message.find(word), std::string::npos) << "no '" << word << "' in: " << message;
+}
+
+State run_to(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme, double dt,
+             double until) {
+  TimeStepping simulation(model, scheme, dt);
+  simulation.run(until);
+  return simulation.state();
+}
+
+std::vector<Row> rows_of_run(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme,
+                             double dt, double until) {
+  TimeStepping simulation(model, scheme, dt);
+  std::vector<Row> rows{{simulation.state(), simulation.reactions(), simulation.report()}};
+  const long steps = std::lround((until - model.t0()) / dt);
+  for (long k = 0; k < steps; ++k) {
+    simulation.step();
+    rows.push_back({simulation.state(), simulation.reactions(), simulation.report()});
+  }
+  return rows;
+}
+
+double slope(const std::vector<double>& dt, const std::vector<double>& error) {
+  double x_mean = 0.0, y_mean = 0.0;
+  for (std::size_t k = 0; k < dt.size(); ++k) {
+    x_mean += std::log(dt[k]) / dt.size();
+    y_mean += std::log(error[k]) / dt.size();
+  }
+  double xy = 0.0, xx = 0.0;
+  for (std::size_t k = 0; k < dt.size(); ++k) {
+    xy += (std::log(dt[k]) - x_mean) * (std::log(error[k]) - y_mean);
+    xx += (std::log(dt[k]) - x_mean) * (std::log(dt[k]) - x_mean);
+  }
+  return xy / xx;
+}
+
+Orders measure_orders(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme,
+                      const State& exact, double until, const std::vector<double>& dt) {
+  std::vector<double> error_q, error_v;
+  for (double h : dt) {
+    const State end = run_to(model, scheme, h, until);
+    EXPECT_NEAR(end.t, until, 1e-9);
+    error_q.push_back((end.q - exact.q).norm());
+    error_v.push_back((end.v - exact.v).norm());
+  }
+  return {slope(dt, error_q), slope(dt, error_v)};
+}
+
+Vec integrate_ode(const std::function<Vec(double, const Vec&)>& f, Vec y, double until, int steps) {
+  const double h = until / steps;
+  for (int k = 0; k < steps; ++k) {
+    const double t = k * h;
+    const Vec k1 = f(t, y);
+    const Vec k2 = f(t + h / 2, y + h / 2 * k1);
+    const Vec k3 = f(t + h / 2, y + h / 2 * k2);
+    const Vec k4 = f(t + h, y + h * k3);
+    y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  return y;
+}
+
+bool same_bits(const Vec& a, const Vec& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+std::vector<std::string> scheme_names() {
+  std::vector<std::string> names;
+  for (const IntegratorEntry& entry : integrators()) names.push_back(entry.name);
+  return names;
+}
+
+const IntegratorEntry& scheme_entry(const std::string& name) {
+  for (const IntegratorEntry& entry : integrators())
+    if (entry.name == name) return entry;
+  throw std::invalid_argument("no such scheme: " + name);
+}
+
+}  // namespace saltus::test

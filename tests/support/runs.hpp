@@ -1,0 +1,50 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "saltus/kernel/integrators/registry.hpp"
+#include "saltus/kernel/simulation/time_stepping.hpp"
+
+namespace saltus::test {
+
+/// The message of the std::invalid_argument that the call throws, or a failed expectation.
+std::string refusal(const std::function<void()>& call);
+/// Expects that the call is refused with a message that holds all these words.
+void expect_refusal(const std::function<void()>& call, const std::vector<std::string>& words);
+
+/// State after a run of the model with fixed steps.
+State run_to(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme, double dt, double until);
+
+/// What every step of a run left behind.
+struct Row {
+  State state;
+  Reactions reactions;
+  StepReport report;
+};
+std::vector<Row> rows_of_run(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme,
+                             double dt, double until);
+
+/// Slope of log(error) over log(dt) by least squares.
+double slope(const std::vector<double>& dt, const std::vector<double>& error);
+
+/// Measured orders in q and v at the end of a run.
+struct Orders {
+  double q, v;
+};
+/// @param exact  state at until, of an independent solution
+Orders measure_orders(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& scheme,
+                      const State& exact, double until, const std::vector<double>& dt);
+
+/// y' = f(t, y) by classic Runge-Kutta steps: the independent solution that orders are measured against.
+Vec integrate_ode(const std::function<Vec(double, const Vec&)>& f, Vec y, double until, int steps);
+
+/// Equal to the last bit.
+bool same_bits(const Vec& a, const Vec& b);
+
+/// Every scheme of the registry with every combination of its options' first choices (the default).
+std::vector<std::string> scheme_names();
+const IntegratorEntry& scheme_entry(const std::string& name);
+
+}  // namespace saltus::test
