@@ -6,6 +6,7 @@
 #include "saltus/kernel/integrators/registry.hpp"
 #include "saltus/kernel/model/check.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/model/requirements.hpp"
 #include "saltus/kernel/simulation/time_stepping.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/model/requirements.hpp"
 
 namespace saltus {
 

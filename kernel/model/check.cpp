@@ -1,9 +1,10 @@
 #include "saltus/kernel/model/check.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+
+#include "saltus/kernel/model/requirements.hpp"
 
 namespace saltus {
 namespace {
@@ -93,9 +94,7 @@ void check_system(const LagrangianDS& system, double t0, const std::string& who,
   const Vec& q = system.q0();
   const Matrix M = mass_at(system, q);
   items.push_back({who, "mass symmetric", deviation(M, M.transpose()), 1e-9, ""});
-  double lowest = -broken;
-  if (M.allFinite())
-    lowest = Eigen::SelfAdjointEigenSolver<Matrix>(M, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const double lowest = smallest_eigenvalue(M);
   items.push_back({who, "mass positive definite", lowest > 0.0 ? 0.0 : broken, 0.0,
                    text("smallest eigenvalue", Vec::Constant(1, lowest))});
 

@@ -1,55 +1,17 @@
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <cstdio>
 #include <stdexcept>
+#include <string>
+
+#include "saltus/kernel/model/requirements.hpp"
 
 namespace saltus {
-namespace {
-
-// Larger than rounding in any assembly of M, smaller than any forgotten term.
-constexpr double symmetry_tolerance = 1e-9;
-
-std::string shape(const Matrix& A) {
-  return "(" + std::to_string(A.rows()) + ", " + std::to_string(A.cols()) + ")";
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
-void require_square(const std::optional<Matrix>& A, int n, const char* what) {
-  if (!A) return;
-  if (A->rows() != n || A->cols() != n)
-    throw std::invalid_argument(std::string(what) + " must be (" + std::to_string(n) + ", " +
-                                std::to_string(n) + ") as q0 has " + std::to_string(n) + " entries, got " +
-                                shape(*A));
-  if (!A->allFinite())
-    throw std::invalid_argument(std::string(what) + " must be finite, got NaN or infinity");
-}
-
-}  // namespace
-
-void require_mass(const Matrix& M, int n, const std::string& what) {
-  require_square(M, n, what.c_str());
-  const double asymmetry = (M - M.transpose()).cwiseAbs().maxCoeff();
-  if (asymmetry > symmetry_tolerance * M.cwiseAbs().maxCoeff())
-    throw std::invalid_argument(what + " must be symmetric, got entries that differ by " + number(asymmetry));
-  const double lowest = Eigen::SelfAdjointEigenSolver<Matrix>(M, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  const double highest = M.cwiseAbs().maxCoeff();
-  if (!(lowest > 1e-15 * highest))
-    throw std::invalid_argument(what + " must be positive definite, its smallest eigenvalue is " +
-                                number(lowest));
-}
-
 LagrangianLinearTIDS::LagrangianLinearTIDS(Vec q0, Vec v0, Matrix mass, Terms terms)
     : LagrangianDS(std::move(q0), std::move(v0)), mass_(std::move(mass)), terms_(std::move(terms)) {
   const int n = dimension();
   require_mass(mass_, n, "mass");
-  require_square(terms_.stiffness, n, "stiffness");
-  require_square(terms_.damping, n, "damping");
+  if (terms_.stiffness) require_square(*terms_.stiffness, n, "stiffness");
+  if (terms_.damping) require_square(*terms_.damping, n, "damping");
   if (!terms_.external_force) return;
   if (terms_.external_force->size() != n)
     throw std::invalid_argument("external_force must have " + std::to_string(n) + " entries as q0 has, got " +

@@ -1,6 +1,5 @@
 #pragma once
 #include <optional>
-#include <string>
 
 #include "saltus/kernel/model/lagrangian_ds.hpp"
 
@@ -33,8 +32,5 @@ class LagrangianLinearTIDS final : public LagrangianDS {
   Matrix mass_;
   Terms terms_;
 };
-
-/// @throws std::invalid_argument naming `what` unless M is a finite symmetric positive definite (n, n)
-void require_mass(const Matrix& M, int n, const std::string& what);
 
 }  // namespace saltus

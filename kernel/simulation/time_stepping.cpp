@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/model/requirements.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 
 namespace saltus {

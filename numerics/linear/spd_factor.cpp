@@ -12,7 +12,6 @@ auto with_size(int n, Function function) {
   switch (n) {
     case 2: return function.template operator()<2>();
     case 3: return function.template operator()<3>();
-    case 4: return function.template operator()<4>();
     case 6: return function.template operator()<6>();
     default: return function.template operator()<Eigen::Dynamic>();
   }
