@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+
 #include "saltus/numerics/contact_problem.hpp"
 
 namespace saltus {
@@ -9,7 +11,8 @@ struct Certificate {
   double scale = 0.0;     ///< max_i (|b_i| + sum_j |G_ij P_j|) [m/s]: the size of the terms in G P + b
 
   /// Is the residual below the tolerance, relative to the terms that cancel in it?
-  bool within(double tolerance) const { return residual <= tolerance * scale; }
+  /// Never where a term has overflowed.
+  bool within(double tolerance) const { return std::isfinite(scale) && residual <= tolerance * scale; }
 };
 
 /// Residual of the laws at P, and xi = G P + b. Row by row, with d the contact's scale d = max_k G_kk,

@@ -5,6 +5,7 @@ namespace saltus {
 std::string_view to_string(SolveStatus status) {
   switch (status) {
     case SolveStatus::solved: return "solved";
+    case SolveStatus::ray: return "ray";
     case SolveStatus::iteration_limit: return "iteration-limit";
     case SolveStatus::breakdown: break;
   }

@@ -8,11 +8,12 @@ namespace saltus {
 
 enum class SolveStatus {
   solved,           ///< the certificate is within the tolerance
+  ray,              ///< it is not, and a pivoting method has come to the end of its path
   iteration_limit,  ///< it is not, and the iterations are used up
   breakdown,        ///< it is not, and the method knows no further step
 };
 
-/// "solved", "iteration-limit" or "breakdown".
+/// "solved", "ray", "iteration-limit" or "breakdown".
 std::string_view to_string(SolveStatus status);
 
 /// The default bound on residual/scale of a Certificate, the paper's 1e-12 (Section 5).

@@ -220,6 +220,7 @@ void bind_model(py::module_& module) {
 py::dict entry_dict(const IntegratorEntry& entry) {
   py::dict properties;
   properties["friction"] = entry.properties.friction;
+  properties["velocity_level"] = entry.properties.velocity_level;
   properties["order_free"] = entry.properties.order_free;
   properties["order_bilateral"] = entry.properties.order_bilateral;
   properties["order_sliding"] = entry.properties.order_sliding;

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "saltus/kernel/model/requirements.hpp"
+#include "saltus/numerics/contact_solver.hpp"
 
 namespace saltus {
 
 Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
   q_.setZero(layout_->n);
   gaps_.setZero(layout_->gaps);
-  local_.setZero(layout_->largest_contact);
+  for (Vec* x : {&local_q_, &local_v_}) x->setZero(layout_->largest_contact);
+  curvature_.setZero(layout_->most_rows);
   mass_.assign(layout_->mass_entries, 0.0);
   jacobians_.assign(layout_->jacobian_entries, 0.0);
   has_jacobian_.assign(layout_->contacts.size(), 0);
@@ -25,7 +28,8 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
     OutMatrix M(mass_.data() + system.block, system.n, system.n);
     system.model->mass({q_.data() + system.offset, system.n}, M);
     require_mass(M, system.n, "mass of system " + std::to_string(k));
-    (*constant)[k].factorise_constant({M.data(), system.n, system.n});
+    if (!(*constant)[k].factorise_constant({M.data(), system.n, system.n}))
+      throw std::invalid_argument("mass of system " + std::to_string(k) + " is too small to be inverted");
   }
   constant_factors_ = std::move(constant);
 }
@@ -40,7 +44,7 @@ void Configuration::move_to(const Vec& q) {
   move_without_gaps(q);
   gaps_.setZero();
   for (const auto& contact : layout_->contacts)
-    contact.relation->gap(local_position(contact), {gaps_.data() + contact.gap, contact.gaps});
+    contact.relation->gap(local(contact, q_, local_q_), {gaps_.data() + contact.gap, contact.gaps});
 }
 
 bool Configuration::factorise() {
@@ -82,6 +86,11 @@ bool Configuration::closed(int contact) const {
   return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
 }
 
+bool Configuration::finite(int contact) const {
+  const auto& slot = layout_->contacts[contact];
+  return gaps_.segment(slot.gap, slot.gaps).allFinite();
+}
+
 double Configuration::penetration() const {
   double deepest = 0.0;
   for (const auto& contact : layout_->contacts)
@@ -94,7 +103,7 @@ const double* Configuration::jacobian(int contact) {
   double* J = jacobians_.data() + slot.jacobian;
   if (!has_jacobian_[contact]) {
     std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
-    slot.relation->jacobian(local_position(slot), {J, slot.rows, slot.n});
+    slot.relation->jacobian(local(slot, q_, local_q_), {J, slot.rows, slot.n});
     has_jacobian_[contact] = 1;
   }
   return J;
@@ -112,13 +121,34 @@ void Configuration::relative_velocity(int contact, const Vec& v, double* gamma) 
   }
 }
 
-In Configuration::local_position(const Layout::Contact& contact) {
+double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt) {
+  const auto& slot = layout_->contacts[contact];
+  const double* J = jacobian(contact);
+  double size = 0.0;
+  for (int side = 0; side < slot.sides; ++side) {
+    const auto& system = layout_->systems[slot.system[side]];
+    for (int j = system.offset; j < system.offset + system.n; ++j)
+      size += std::abs(*J++) * (std::abs(v[j]) + dt * std::abs(a[j]));
+  }
+  return default_tolerance * size;
+}
+
+void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot) {
+  const auto& slot = layout_->contacts[contact];
+  relative_velocity(contact, a, gamma_dot);
+  curvature_.head(slot.rows).setZero();
+  slot.relation->curvature(local(slot, q_, local_q_), local(slot, v, local_v_),
+                           {curvature_.data(), slot.rows});
+  for (int i = 0; i < slot.rows; ++i) gamma_dot[i] += curvature_[i];
+}
+
+In Configuration::local(const Layout::Contact& contact, const Vec& x, Vec& both) const {
   const auto& first = layout_->systems[contact.system[0]];
-  if (contact.sides == 1) return {q_.data() + first.offset, first.n};
+  if (contact.sides == 1) return {x.data() + first.offset, first.n};
   const auto& second = layout_->systems[contact.system[1]];
-  std::copy_n(q_.data() + first.offset, first.n, local_.data());
-  std::copy_n(q_.data() + second.offset, second.n, local_.data() + first.n);
-  return {local_.data(), contact.n};
+  std::copy_n(x.data() + first.offset, first.n, both.data());
+  std::copy_n(x.data() + second.offset, second.n, both.data() + first.n);
+  return {both.data(), contact.n};
 }
 
 double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,

@@ -33,6 +33,9 @@ class Configuration {
   const Vec& gaps() const { return gaps_; }
   /// Is the contact closed, g <= 0 (18)? Judged by position only, without tolerance.
   bool closed(int contact) const;
+  /// Are the contact's gaps finite? A NaN would count as open.
+  bool finite(int contact) const;
+  bool finite() const { return gaps_.allFinite(); }
   /// Largest -g of the unilateral contacts, or 0 [m]
   double penetration() const;
 
@@ -40,16 +43,22 @@ class Configuration {
   const double* jacobian(int contact);
   /// γ = Wᵀ v of one contact. @param[out] gamma (rows) [m/s]
   void relative_velocity(int contact, const Vec& v, double* gamma);
+  /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
+  /// terms of size |v| + Δt |a| [m/s]
+  double velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt);
+  /// (dWᵀ/dt) v + Wᵀ a of one contact, (38). @param[out] gamma_dot (rows) [m/s²]
+  void relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot);
 
  private:
-  In local_position(const Layout::Contact& contact);
+  /// The part of x (n) that belongs to the contact's systems; gathered into `both` if there are two.
+  In local(const Layout::Contact& contact, const Vec& x, Vec& both) const;
   const SpdFactor& factor(int system) const {
     return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
   }
 
   std::shared_ptr<const Layout> layout_;
   std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;  // shared by copies
-  Vec q_, gaps_, local_;
+  Vec q_, gaps_, local_q_, local_v_, curvature_;
   std::vector<double> mass_, jacobians_;
   std::vector<SpdFactor> factors_;
   std::vector<unsigned char> has_jacobian_;

@@ -81,6 +81,16 @@ void ContactAssembly::set_b(Configuration& constraint, const Vec& v) {
   }
 }
 
+void ContactAssembly::set_b_of_acceleration(Configuration& constraint, const Vec& v, const Vec& a,
+                                            double weight) {
+  int row = 0;
+  for (int contact : active_) {
+    constraint.relative_acceleration(contact, v, a, problem_.b.data() + row);
+    row += layout_->contacts[contact].rows;
+  }
+  problem_.b.view() *= weight;
+}
+
 void ContactAssembly::add_restitution(const Vec& gamma) {
   int row = 0;
   for (int contact : active_) {

@@ -21,6 +21,8 @@ class ContactAssembly {
 
   /// b <- W(q_c)ᵀ v of the active contacts
   void set_b(Configuration& constraint, const Vec& v);
+  /// b <- weight ((dWᵀ/dt) v + Wᵀ a) of the active contacts, (40)
+  void set_b_of_acceleration(Configuration& constraint, const Vec& v, const Vec& a, double weight);
   /// b <- b + ε γ, (57). @param gamma (rows of all contacts) [m/s]
   void add_restitution(const Vec& gamma);
   /// v <- v + factor M⁻¹ W(q_f) P. @param P (rows of the active contacts) [N s]

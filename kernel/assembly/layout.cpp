@@ -28,6 +28,7 @@ Layout::Layout(const NonSmoothDynamicalSystem& model) {
     rows += contact.rows;
     gaps += contact.gaps;
     largest_contact = std::max(largest_contact, contact.n);
+    most_rows = std::max(most_rows, contact.rows);
     jacobian_entries += static_cast<std::size_t>(contact.rows) * contact.n;
   }
 }

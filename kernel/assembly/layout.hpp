@@ -35,6 +35,7 @@ struct Layout {
   int rows = 0;  ///< rows of all contacts
   int gaps = 0;
   int largest_contact = 0;  ///< largest n of a contact
+  int most_rows = 0;        ///< largest number of rows of a contact
   std::size_t mass_entries = 0;
   std::size_t jacobian_entries = 0;
 };

@@ -1,6 +1,5 @@
 #include "saltus/kernel/integrators/contact_stage.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace saltus {
@@ -35,7 +34,8 @@ bool ContactStage::solve(StepReport& report) {
   else
     solved.status = SolveStatus::breakdown;
   report.solver_iterations += solved.iterations;
-  report.residual = std::max(report.residual, solved.certificate.residual);
+  if (!(solved.certificate.residual <= report.residual))
+    report.residual = solved.certificate.residual;  // or NaN
   if (solved.status != SolveStatus::solved) report.status = StepStatus::solver_failed;
   return report.status == StepStatus::ok;
 }

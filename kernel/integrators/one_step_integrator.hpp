@@ -28,6 +28,7 @@ enum class StepStatus {
   ok,
   solver_failed,               ///< no impulses that satisfy the laws were found
   mass_not_positive_definite,  ///< M(q) cannot be factorised
+  gap_not_finite,              ///< NaN or infinity in a gap: it can be neither open nor closed
   not_finite,                  ///< NaN or infinity in velocities: the motion diverges
 };
 
@@ -57,7 +58,8 @@ class OneStepIntegrator {
   /// Sizes every workspace: step() then allocates nothing. The model and the solver must outlive it.
   /// @throws std::invalid_argument if the scheme cannot integrate the model, saying why
   virtual void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) = 0;
-  /// One step. If the report's status is not ok, state and reactions are as before.
+  /// One step; only after prepare(), with a state and reactions of the model's sizes. If the report's status
+  /// is not ok, state and reactions are as before.
   /// @param reactions  in: of the step before, or zero (warm start); out: of this one
   virtual StepReport step(double dt, State& state, Reactions& reactions) = 0;
   /// The same scheme with a workspace of its own.

@@ -11,8 +11,13 @@ namespace {
 
 std::unique_ptr<OneStepIntegrator> make_trapezoidal(const Options& options) {
   const bool predicted = options.at("activity") == "predicted";
-  return std::make_unique<HalfExplicit>("HalfExplicitTrapezoidalOSI", trapezoidal_tableau(),
+  return std::make_unique<HalfExplicit>("HalfExplicitTrapezoidalOSI", trapezoidal_tableau(), Level::velocity,
                                         predicted ? Activity::predicted : Activity::start);
+}
+
+std::unique_ptr<OneStepIntegrator> make_acceleration(const Options&) {
+  return std::make_unique<HalfExplicit>("DMinusAccelerationOSI", trapezoidal_tableau(), Level::acceleration,
+                                        Activity::start);
 }
 
 const SchemeOption activity_option = {
@@ -56,6 +61,15 @@ const std::vector<IntegratorEntry>& integrators() {
        .options = {},
        .properties = {},
        .make = [](const Options&) { return std::make_unique<ExplicitMoreauJean>(); }},
+      {.name = "DMinusAccelerationOSI",
+       .summary = "forecasting trapezoidal rule on acceleration level (43)-(60), without friction; drifts",
+       .options = {},
+       .properties = {.friction = false,
+                      .velocity_level = false,
+                      .order_free = 2,
+                      .order_bilateral = 2,
+                      .forces_at_rest = true},
+       .make = make_acceleration},
       {.name = "HalfExplicitTrapezoidalOSI",
        .summary = "forecasting trapezoidal rule on velocity level (62)-(72), forces and impulses told apart",
        .options = {activity_option},

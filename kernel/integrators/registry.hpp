@@ -13,6 +13,7 @@ namespace saltus {
 /// What holds for a scheme, checked by the conformance tests of the registry.
 struct SchemeProperties {
   bool friction = true;         ///< takes laws with friction
+  bool velocity_level = true;   ///< holds Wᵀv of closed contacts; otherwise g̈, and g and Wᵀv drift
   int order_free = 1;           ///< in q and v, free flight
   int order_bilateral = 1;      ///< under bilateral constraints
   int order_sliding = 1;        ///< in persistent sliding contact with friction

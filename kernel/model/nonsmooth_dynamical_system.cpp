@@ -22,7 +22,9 @@ void NonSmoothDynamicalSystem::link(std::shared_ptr<const Interaction> interacti
   Link link{interaction, interaction->name(), index_of(first), second ? index_of(*second) : -1};
   if (link.first == link.second)
     throw std::invalid_argument("an interaction acts between two different systems, got one twice");
-  if (link.name.empty()) link.name = "contact" + std::to_string(links_.size());
+  for (std::size_t k = links_.size(); link.name.empty(); ++k)
+    if (const std::string candidate = "contact" + std::to_string(k); !names_.count(candidate))
+      link.name = candidate;
   if (names_.count(link.name))
     throw std::invalid_argument("the name of an interaction must be unique, got '" + link.name + "' twice");
   interaction->relation().require_dimension(first.dimension() + (second ? second->dimension() : 0));

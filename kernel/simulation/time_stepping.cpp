@@ -1,5 +1,7 @@
 #include "saltus/kernel/simulation/time_stepping.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -10,7 +12,15 @@ namespace saltus {
 namespace {
 
 constexpr double until_tolerance = 1e-12;
-constexpr long progress_interval = 512;
+constexpr double until_tolerance_in_steps = 1e-3;
+constexpr long longest_interval = 512;   // between two calls of progress
+constexpr double longest_silence = 0.1;  // [s]
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
 
 std::string describe(double time, long step, const std::vector<std::string>& contacts,
                      const StepReport& report) {
@@ -25,13 +35,30 @@ std::string describe(double time, long step, const std::vector<std::string>& con
   return message + ")";
 }
 
-double require_time_step(double dt) {
+double require_time_step(double dt, double t0) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw std::invalid_argument("time_step must be positive and finite, got " + std::to_string(dt));
+  if (t0 + dt == t0)
+    throw std::invalid_argument("time_step must change t0 = " + number(t0) + ", got " + number(dt));
   return dt;
 }
 
 }  // namespace
+
+class TimeStepping::Busy {
+ public:
+  Busy(bool& flag, const char* what) : flag_(flag) {
+    if (flag_)
+      throw std::logic_error(std::string(what) + " was called while a step of this simulation is taken");
+    flag_ = true;
+  }
+  ~Busy() { flag_ = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  bool& flag_;
+};
 
 SimulationError::SimulationError(double time, long step, std::vector<std::string> contacts,
                                  const StepReport& report)
@@ -46,7 +73,7 @@ TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepI
     : model_(model),
       integrator_(integrator.clone()),
       solver_(solver.clone()),
-      dt_(require_time_step(time_step)),
+      dt_(require_time_step(time_step, model.t0())),
       state_{model.t0(), model.q0(), model.v0()},
       layout_(std::make_shared<Layout>(model_)),
       view_(layout_),
@@ -93,6 +120,7 @@ void TimeStepping::check_start() {
 
 void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
   if (!observer) throw std::invalid_argument("add_observer needs an observer, got none");
+  const Busy busy(busy_, "add_observer");
   if (step_ == 0) {
     look();
     show(*observer);
@@ -103,14 +131,22 @@ void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
 void TimeStepping::run(double until) {
   if (!std::isfinite(until))
     throw std::invalid_argument("until must be finite, got " + std::to_string(until));
-  const double last = until + until_tolerance * std::abs(until);
-  while (model_.t0() + (step_ + 1) * dt_ <= last) {
+  const double last = until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * dt_);
+  long interval = 1;  // in steps; follows what they cost
+  auto shown = std::chrono::steady_clock::now();
+  for (long k = 1; model_.t0() + (step_ + 1) * dt_ <= last; ++k) {
     step();
-    if (progress_ && step_ % progress_interval == 0) progress_(state_.t);
+    if (!progress_ || k % interval != 0) continue;
+    progress_(state_.t);
+    const auto now = std::chrono::steady_clock::now();
+    const double silence = std::chrono::duration<double>(now - shown).count();
+    shown = now;
+    interval = silence > 0.5 * longest_silence ? 1 : std::min(2 * interval, longest_interval);
   }
 }
 
 const StepReport& TimeStepping::step() {
+  const Busy busy(busy_, "step");
   const StepReport report = integrator_->step(dt_, state_, reactions_);
   if (report.status != StepStatus::ok) fail(report);
   report_ = report;
@@ -144,7 +180,7 @@ void TimeStepping::fail(const StepReport& report) {
   view_.move_to(state_.q);
   std::vector<std::string> contacts;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    if (view_.closed(k)) contacts.push_back(model_.links()[k].name);
+    if (view_.closed(k) || !view_.finite(k)) contacts.push_back(model_.links()[k].name);
   throw SimulationError(state_.t, step_ + 1, std::move(contacts), report);
 }
 

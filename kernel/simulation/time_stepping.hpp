@@ -39,14 +39,17 @@ class TimeStepping {
   TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator, double time_step);
 
   /// Shows row 0 now, if no step was taken yet, and every row from now on.
+  /// @throws std::invalid_argument if there is no observer, std::logic_error from within a step
   void add_observer(std::shared_ptr<Observer> observer);
-  /// Called every few hundred steps with the time; what it throws ends the run between two steps.
+  /// Called every 0.1 s or less with the time; what it throws ends the run between two steps.
   void set_progress(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
   /// Takes all steps with t_k <= until (1 + 1e-12), never a shortened one.
-  /// @throws SimulationError if a step fails, std::invalid_argument if until is not finite
+  /// The tolerance is at most Δt/1000.
+  /// @throws SimulationError if a step fails, std::invalid_argument if until is not finite, std::logic_error
+  ///         from within a step
   void run(double until);
-  /// Takes one step. @throws SimulationError
+  /// Takes one step. @throws as run()
   const StepReport& step();
 
   const NonSmoothDynamicalSystem& model() const { return model_; }
@@ -59,6 +62,8 @@ class TimeStepping {
   const StepReport& report() const { return report_; }
 
  private:
+  class Busy;  // forbids a step, or a change of the observers, from within a step
+
   void check_start();
   void show(Observer& observer);
   void look();
@@ -69,6 +74,7 @@ class TimeStepping {
   std::unique_ptr<ContactSolver> solver_;
   double dt_;
   long step_ = 0;
+  bool busy_ = false;
   State state_;
   Reactions reactions_;
   StepReport report_;

@@ -14,14 +14,27 @@ constexpr double singular = 1e-11;
 // Up to this size the decomposition lives on the stack, beyond it on the heap.
 constexpr int small = 24;
 
+// A = Q T P with pivoting, then T = (R 0) Z: written out because Eigen's decomposition of that name
+// allocates in its solution.
 template <int Max>
 void nearest(const PoolMatrix& A, const PoolVec& y, const PoolVec& start, PoolVec& x) {
   using M = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Max, Max>;
-  Eigen::CompleteOrthogonalDecomposition<M> decomposition;
-  decomposition.setThreshold(singular);
-  decomposition.compute(A.view());
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Max, 1> right = y.view() - A.view() * start.view();
-  x.view() = start.view() + decomposition.solve(right);
+  using V = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Max, 1>;
+  Eigen::ColPivHouseholderQR<M> qr;
+  qr.setThreshold(singular);
+  qr.compute(A.view());
+  const auto rank = qr.rank();
+  V c = y.view();
+  c.noalias() -= A.view() * start.view();
+  c.applyOnTheLeft(qr.householderQ().adjoint());
+  M wide = qr.matrixR().topRows(rank).template triangularView<Eigen::Upper>();
+  const Eigen::HouseholderQR<M> rows(wide.transpose());
+  V z = V::Zero(y.size());
+  z.head(rank) =
+      rows.matrixQR().topRows(rank).template triangularView<Eigen::Upper>().transpose().solve(c.head(rank));
+  z.applyOnTheLeft(rows.householderQ());
+  V step = qr.colsPermutation() * z;
+  x.view() = start.view() + step;
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ constexpr int most_rounds = 50;
 void Automatic::reserve(int rows) {
   newton_.reserve(rows);
   enumeration_.reserve(rows);
+  lemke_.reserve(rows);
   sweeps_.reserve(rows);
   trial_.reserve(rows);
   sweeps_P_.reserve(rows);
@@ -47,6 +48,7 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   if (improved_by(newton_, trial_.data())) return best;
   std::fill_n(trial_.data(), rows, 0.0);
   if (enumeration_.accepts(problem) && improved_by(enumeration_, trial_.data())) return best;
+  if (improved_by(lemke_, trial_.data())) return best;
   // Sweeps come near a solution, Newton's method makes it exact: in turn, until both agree.
   sweeps_P_.resize(rows);
   std::fill_n(sweeps_P_.data(), rows, 0.0);

@@ -1,13 +1,14 @@
 #pragma once
 #include "saltus/numerics/solvers/enumeration.hpp"
+#include "saltus/numerics/solvers/lemke.hpp"
 #include "saltus/numerics/solvers/nsgs.hpp"
 #include "saltus/numerics/solvers/semismooth_newton.hpp"
 
 namespace saltus {
 
 /// The default: Newton from the warm start; if that ends nowhere, Newton from P = 0, enumeration where
-/// the problem is small enough, and Newton in turn with Gauss-Seidel sweeps. The report names the method
-/// that answered; a failure keeps the P with the smallest residual.
+/// the problem is small enough, Lemke's method, and Newton in turn with Gauss-Seidel sweeps. The report names
+/// the method that answered; a failure keeps the P with the smallest residual.
 class Automatic final : public ContactSolver {
  public:
   std::string_view name() const override { return "auto"; }
@@ -21,6 +22,7 @@ class Automatic final : public ContactSolver {
 
   SemismoothNewton newton_;
   Enumeration enumeration_;
+  Lemke lemke_;
   Nsgs sweeps_{100};
   PoolVec trial_, sweeps_P_, xi_;
 };

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "saltus/numerics/solvers/automatic.hpp"
+#include "saltus/numerics/solvers/lemke.hpp"
 
 namespace saltus {
 namespace {
@@ -20,6 +21,7 @@ const std::vector<SolverEntry>& contact_solvers() {
        make<Automatic>},
       {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
       {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
+      {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
       {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
   };
   return table;

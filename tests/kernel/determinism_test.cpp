@@ -10,7 +10,7 @@ namespace {
 
 class Determinism : public testing::TestWithParam<std::string> {
  protected:
-  NonSmoothDynamicalSystem crank_ = examples::make_slider_crank(examples::Guidance::frictional);
+  NonSmoothDynamicalSystem crank_ = examples::make_slider_crank(guidance_for(GetParam()));
 };
 
 void expect_same(const TimeStepping& a, const TimeStepping& b) {
@@ -43,7 +43,7 @@ TEST_P(Determinism, ARunInPiecesIsTheRunInOnePiece) {
 TEST_P(Determinism, SimulationsFromOneIntegratorAreIndependent) {
   // Interleaved step by step, with different models, from one integrator object and one solver.
   const auto scheme = make_integrator(GetParam());
-  const auto bowl = make_bowl(0.3);
+  const auto bowl = make_bowl(mu_taken_by(GetParam(), 0.3));
   TimeStepping crank_alone(crank_, *scheme, 1e-4), bowl_alone(bowl, *scheme, 1e-3);
   for (int k = 0; k < 500; ++k) crank_alone.step();
   for (int k = 0; k < 500; ++k) bowl_alone.step();

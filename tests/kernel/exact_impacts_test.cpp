@@ -10,6 +10,7 @@ namespace saltus::test {
 namespace {
 
 class ExactImpacts : public testing::TestWithParam<std::string> {};
+class FrictionalImpacts : public testing::TestWithParam<std::string> {};
 
 TEST_P(ExactImpacts, ABouncingBallHitsAndComesToRestInTime) {
   // t1 = √(2h0/g), flight k lasts 2 εᵏ t1, rest at t1 (1+ε)/(1-ε). Every impact is late by up to a step.
@@ -53,7 +54,7 @@ TEST_P(ExactImpacts, UnequalBallsKeepMomentumAndObeyNewton) {
   }
 }
 
-TEST_P(ExactImpacts, AnObliqueImpactSticksInsideTheFrictionCone) {
+TEST_P(FrictionalImpacts, AnObliqueImpactSticksInsideTheFrictionCone) {
   // ε_T = 0: sticks iff (2/7)|u_T| <= μ (1+ε) |v_N|, otherwise slips with Λ_T = -μ Λ_N sign(u_T).
   const double e = 0.6, mu = 0.2, m = 2.0, r = 0.1, dt = 1e-5, v_N = -3.0;
   const double limit = 3.5 * mu * (1.0 + e) * 3.0;
@@ -77,7 +78,7 @@ TEST_P(ExactImpacts, AnObliqueImpactSticksInsideTheFrictionCone) {
   }
 }
 
-TEST_P(ExactImpacts, TangentialRestitutionReversesASuperball) {
+TEST_P(FrictionalImpacts, TangentialRestitutionReversesASuperball) {
   // ε_T = 1 and much friction: the contact point's velocity changes its sign.
   auto sphere = std::make_shared<LagrangianLinearTIDS>(vec({0.0, 1e-3, 0.0}), vec({0.7, -3.0, 0.0}),
                                                        Matrix(vec({2.0, 2.0, 8e-3}).asDiagonal()));
@@ -89,7 +90,7 @@ TEST_P(ExactImpacts, TangentialRestitutionReversesASuperball) {
   EXPECT_NEAR(end.v[1], 3.0, 1e-13);
 }
 
-TEST_P(ExactImpacts, ARockingBlockLosesWhatHousnerSays) {
+TEST_P(FrictionalImpacts, ARockingBlockLosesWhatHousnerSays) {
   // The right corner hits while the block turns about the left one, which is closed and lifts off:
   // ω⁺/ω⁻ = 1 - (3/2) sin²a, tan a = b/h. q = (x, y, φ), the geometry of the upright block.
   const double b = 0.3, h = 1.0, omega = -0.5;
@@ -111,6 +112,8 @@ TEST_P(ExactImpacts, ARockingBlockLosesWhatHousnerSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, ExactImpacts, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalImpacts, testing::ValuesIn(frictional_schemes()),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -14,7 +14,9 @@ class ExactMotions : public testing::TestWithParam<std::string> {
   std::unique_ptr<OneStepIntegrator> scheme_ = make_integrator(GetParam());
 };
 
-TEST_P(ExactMotions, ASlidingBlockStopsWhereCoulombSays) {
+class FrictionalMotions : public ExactMotions {};
+
+TEST_P(FrictionalMotions, ASlidingBlockStopsWhereCoulombSays) {
   const double v0 = 3.0, mu = 0.4, dt = 1e-4;
   const double time = v0 / (mu * gravity), distance = v0 * v0 / (2.0 * mu * gravity);
   for (double sign : {1.0, -1.0}) {
@@ -28,7 +30,7 @@ TEST_P(ExactMotions, ASlidingBlockStopsWhereCoulombSays) {
   }
 }
 
-TEST_P(ExactMotions, FrictionAcceleratesExactlyBesidesTheStop) {
+TEST_P(FrictionalMotions, FrictionAcceleratesExactlyBesidesTheStop) {
   // Constant forces: v = v0 - mu g t to rounding, and the force at the limit of the cone.
   const double mu = 0.4, dt = 1e-3, weight = 2.0 * gravity;
   const auto rows = rows_of_run(make_block(3.0, mu), *scheme_, dt, 0.5);
@@ -40,7 +42,7 @@ TEST_P(ExactMotions, FrictionAcceleratesExactlyBesidesTheStop) {
   }
 }
 
-TEST_P(ExactMotions, AnOscillatorWithDryFrictionLosesTheSameInEveryHalfCycle) {
+TEST_P(FrictionalMotions, AnOscillatorWithDryFrictionLosesTheSameInEveryHalfCycle) {
   // Turning points (-1)ⁿ (x0 - 2 n d), d = mu m g/k; it stops where |x| <= d.
   const double k = 50.0, mu = 0.1, m = 2.0, dt = 1e-4;
   const double d = mu * m * gravity / k, x0 = 8.5 * d, half_cycle = M_PI * std::sqrt(m / k);
@@ -54,7 +56,7 @@ TEST_P(ExactMotions, AnOscillatorWithDryFrictionLosesTheSameInEveryHalfCycle) {
   EXPECT_NEAR(rows.back().state.v[0], 0.0, 1e-13);
 }
 
-TEST_P(ExactMotions, ASlidingSphereStartsToRoll) {
+TEST_P(FrictionalMotions, ASlidingSphereStartsToRoll) {
   // t = 2 v0/(7 mu g), then v = 5 v0/7 and the contact point rests.
   const double v0 = 2.0, mu = 0.3, dt = 1e-4, r = 0.1;
   const double start = 2.0 * v0 / (7.0 * mu * gravity);
@@ -107,6 +109,8 @@ TEST_P(ExactMotions, TimeDependentForcesAreTakenAtTheStagesTimes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, ExactMotions, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalMotions, testing::ValuesIn(frictional_schemes()),
                          [](const auto& test) { return test.param; });
 
 TEST(Stability, TheVelocityLevelSchemeIsStableUpToOmegaDtOfTwo) {

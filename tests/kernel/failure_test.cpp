@@ -74,7 +74,7 @@ class Failure : public testing::TestWithParam<std::string> {
 TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
   const auto fails = std::make_shared<bool>(false);
   Failing solver(fails);
-  const auto model = make_bowl(0.3);
+  const auto model = make_bowl(mu_taken_by(GetParam(), 0.3));
   const auto scheme = make_integrator(GetParam());
   scheme->prepare(model, solver);
   State state{0.0, model.q0(), model.v0()};
@@ -110,7 +110,8 @@ TEST_P(Failure, ADivergingRunEndsInAnErrorAtTheLastFiniteState) {
 
 TEST_P(Failure, ADivergingRunWithClosedContactsToo) {
   // The spring acts along the plane; the contact problem meets the infinite velocity first.
-  expect_failure(make_friction_oscillator(1.0, 0.1, 1e12), 1e-2, StepStatus::not_finite);
+  expect_failure(make_friction_oscillator(1.0, mu_taken_by(GetParam(), 0.1), 1e12), 1e-2,
+                 StepStatus::not_finite);
 }
 
 TEST_P(Failure, AMassThatIsNoLongerPositiveDefinite) {
@@ -138,6 +139,8 @@ TEST_P(Failure, ADirectionThatIsNoNumberNamesItsContact) {
       J(0, 0) = 1.0;
       J(0, 1) = q[1] > 0.05 ? std::numeric_limits<double>::quiet_NaN() : 0.0;
     }
+    void curvature(const In&, const In&, Out) const override {}
+    bool has_curvature() const override { return true; }
   };
   model.link(std::make_shared<Interaction>(std::make_shared<Losing>(), EqualityConditionNSL(1), "rail"),
              *point);

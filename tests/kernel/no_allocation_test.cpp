@@ -78,8 +78,8 @@ class NoAllocation : public testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(NoAllocation, SliderCrankWithFriction) {
-  const auto model = examples::make_slider_crank(examples::Guidance::frictional);
+TEST_P(NoAllocation, SliderCrankInItsNotch) {
+  const auto model = examples::make_slider_crank(guidance_for(GetParam()));
   const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-4, 200, 2000);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);  // else nothing of interest was counted

@@ -59,6 +59,21 @@ TEST(Refused, LawsOutOfRange) {
   EXPECT_NO_THROW(NewtonImpactFrictionNSL(1.0, 1.0, 0.0, 3));
 }
 
+// A system and a relation that are not finite where they are told.
+struct Sick final : LagrangianDS {
+  Sick(Matrix M, double h) : LagrangianDS(Vec::Zero(2), Vec::Zero(2)), M_(M), h_(h) {}
+  void mass(const In&, OutMatrix M) const override { M = M_; }
+  void forces(double, const In&, const In&, Out h) const override { h[1] = h_; }
+  Matrix M_;
+  double h_;
+};
+struct SickRelation final : Relation {
+  SickRelation(double g, double j) : Relation(1), g_(g), j_(j) {}
+  void gap(const In&, Out g) const override { g[0] = g_; }
+  void jacobian(const In&, OutMatrix J) const override { J(0, 0) = j_; }
+  double g_, j_;
+};
+
 TEST(Refused, RelationsOfTheWrongShape) {
   expect_refusal([] { Circle(0, 1.0); }, {"size must be at least 1", "got 0"});
   expect_refusal([] { LagrangianLinearTIR(Matrix::Zero(0, 2)); }, {"size must be at least 1"});
@@ -71,7 +86,9 @@ TEST(Refused, RelationsOfTheWrongShape) {
                  {"same number of rows", "1 and 2", "'floor'"});
   const Vec q = vec({1.0, 0.0});
   double c[1];
-  EXPECT_THROW(Circle(1, 1.0).curvature(In(q.data(), 2), In(q.data(), 2), Out(c, 1)), std::logic_error);
+  const SickRelation flat(1.0, 1.0);
+  EXPECT_FALSE(flat.has_curvature());
+  EXPECT_THROW(flat.curvature(In(q.data(), 2), In(q.data(), 2), Out(c, 1)), std::logic_error);
 }
 
 TEST(Refused, ModelsThatDoNotFitTogether) {
@@ -94,21 +111,6 @@ TEST(Refused, ModelsThatDoNotFitTogether) {
   model.link(floor, *ball);
   expect_refusal([&] { model.link(floor, *ball); }, {"unique", "'floor'"});
 }
-
-// A system and a relation that are not finite where they are told.
-struct Sick final : LagrangianDS {
-  Sick(Matrix M, double h) : LagrangianDS(Vec::Zero(2), Vec::Zero(2)), M_(M), h_(h) {}
-  void mass(const In&, OutMatrix M) const override { M = M_; }
-  void forces(double, const In&, const In&, Out h) const override { h[1] = h_; }
-  Matrix M_;
-  double h_;
-};
-struct SickRelation final : Relation {
-  SickRelation(double g, double j) : Relation(1), g_(g), j_(j) {}
-  void gap(const In&, Out g) const override { g[0] = g_; }
-  void jacobian(const In&, OutMatrix J) const override { J(0, 0) = j_; }
-  double g_, j_;
-};
 
 TEST(Refused, SimulationsThatCannotStart) {
   const auto model = make_ball(1.0, 0.0, 0.5);
@@ -149,20 +151,51 @@ TEST(Refused, ModelsThatAreNotFiniteAtTheStart) {
 
 TEST(Refused, LawsThatTheSolverDoesNotTake) {
   auto ball = std::make_shared<LagrangianLinearTIDS>(vec({0, 0, 1}), vec({0, 0, 0}), Matrix::Identity(3, 3));
-  NonSmoothDynamicalSystem model({ball});
-  model.link(linear_contact(Matrix::Identity(3, 3), Vec::Zero(3), NewtonImpactFrictionNSL(0.0, 0.0, 0.1, 3),
-                            "floor"),
-             *ball);
-  for (const IntegratorEntry& entry : integrators())
+  for (const IntegratorEntry& entry : integrators()) {
+    const double mu = mu_taken_by(entry.name, 0.1);  // else the scheme refuses first
+    NonSmoothDynamicalSystem model({ball});
+    model.link(linear_contact(Matrix::Identity(3, 3), Vec::Zero(3), NewtonImpactFrictionNSL(0.0, 0.0, mu, 3),
+                              "floor"),
+               *ball);
     for (const SolverEntry& solver : contact_solvers()) {
       ContactProblem space;
       space.G = Matrix(Matrix::Identity(3, 3));
       space.b = Vec(Vec::Zero(3));
-      space.sets = {Coulomb{0.1, 3}};
+      space.sets = {Coulomb{mu, 3}};
       if (solver.make()->accepts(space)) continue;
       expect_refusal([&] { TimeStepping(model, *make_integrator(entry.name), 1e-3, *solver.make()); },
                      {solver.name, "3 rows", "friction in space"});
     }
+  }
+}
+
+TEST(Refused, FrictionBySchemesThatTakeNone) {
+  auto start = [](const std::string& scheme, double mu) {
+    return [=] { TimeStepping(make_block(1.0, mu), *make_integrator(scheme), 1e-3); };
+  };
+  for (const IntegratorEntry& entry : integrators()) {
+    EXPECT_NO_THROW(start(entry.name, 0.0)()) << entry.name;
+    if (entry.properties.friction)
+      EXPECT_NO_THROW(start(entry.name, 0.25)()) << entry.name;
+    else
+      expect_refusal(start(entry.name, 0.25), {entry.name, "no friction", "mu = 0.25", "'plane'"});
+  }
+}
+
+TEST(Refused, RelationsWithoutCurvatureOnAccelerationLevel) {
+  auto point = std::make_shared<LagrangianLinearTIDS>(vec({0, 0}), vec({0, 0}), Matrix::Identity(2, 2));
+  NonSmoothDynamicalSystem model({point});
+  model.link(linear_contact(Matrix::Ones(1, 2), vec({0}), NewtonImpactNSL(0.0), "plane"), *point);
+  model.link(
+      std::make_shared<Interaction>(std::make_shared<SickRelation>(1.0, 1.0), NewtonImpactNSL(0.0), "joint"),
+      *point);
+  for (const std::string& name : scheme_names()) {
+    const auto start = [&] { TimeStepping(model, *make_integrator(name), 1e-3); };
+    if (keeps_velocity_constraints(name))
+      EXPECT_NO_THROW(start()) << name;
+    else
+      expect_refusal(start, {name, "curvature", "'joint'"});
+  }
 }
 
 TEST(Refused, UnknownNamesInTheRegistry) {

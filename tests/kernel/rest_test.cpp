@@ -52,8 +52,9 @@ TEST_P(Rest, AColumnOfBalls) {
     for (int k = 0; k < n; ++k) expect_carried(rows[step], k, (n - k) * gravity, dt);
 }
 
-TEST_P(Rest, ABlockOnAnInclineSticksUpToTheFrictionAngle) {
-  if (!scheme_entry(GetParam()).properties.friction) GTEST_SKIP();
+class RestByFriction : public Rest {};
+
+TEST_P(RestByFriction, ABlockOnAnInclineSticksUpToTheFrictionAngle) {
   const double angle = 0.5, dt = 1e-3, weight = 2.0 * gravity;
   const auto scheme = make_integrator(GetParam());
   const auto sticking = rows_of_run(make_block(0.0, std::tan(angle) + 1e-6, angle), *scheme, dt, 0.2);
@@ -70,6 +71,8 @@ TEST_P(Rest, ABlockOnAnInclineSticksUpToTheFrictionAngle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, Rest, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Schemes, RestByFriction, testing::ValuesIn(frictional_schemes()),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -27,7 +27,7 @@ class SliderCrankRun : public testing::TestWithParam<std::string> {};
 
 TEST_P(SliderCrankRun, TheSliderDoesNotTurnBySymmetry) {
   // Corners hit in pairs and share the load equally; θ3 = 0 is unstable, so an uneven share would grow.
-  const auto model = examples::make_slider_crank(Guidance::frictional);
+  const auto model = examples::make_slider_crank(guidance_for(GetParam()));
   int impacts = 0;
   for (const Row& row : rows_of_run(model, *make_integrator(GetParam()), 1e-5, 0.1)) {
     ASSERT_LT(std::abs(row.state.q[2]), 1e-9) << row.state.t;

@@ -87,5 +87,5 @@ def test_warm_start_is_the_start_not_the_answer():
 def test_what_has_no_solution_is_not_called_solved():
     for solver in numerics.solvers():
         solution = numerics.solve([[0.0]], [-1.0], [NonNegative()], solver=solver)
-        assert solution.status in ("breakdown", "iteration-limit")
+        assert solution.status in ("breakdown", "iteration-limit", "ray")
         assert solution.residual == pytest.approx(1.0)

@@ -142,6 +142,14 @@ void Circle::jacobian(const In& q, OutMatrix J) const {
   J(1, 1) = q[0] / r;
 }
 
+void Circle::curvature(const In& q, const In& v, Out c) const {
+  const double r = std::hypot(q[0], q[1]);
+  const double area_rate = q[0] * v[1] - q[1] * v[0];
+  c[0] = -area_rate * area_rate / (r * r * r);
+  if (size() == 1) return;
+  c[1] = -area_rate * (q[0] * v[0] + q[1] * v[1]) / (r * r * r);
+}
+
 namespace {
 
 constexpr double swing_mass = 2.0, swing_radius = 0.8, swing_start = 0.3, swing_rate = 3.0, bowl_depth = 1e-4;
@@ -192,5 +200,10 @@ NonSmoothDynamicalSystem make_bowl(double mu) {
 }
 
 State exact_bowl(double mu, double until) { return exact_on_circle(swing_radius + bowl_depth, mu, until); }
+
+examples::Guidance guidance_for(const std::string& scheme) {
+  return scheme_entry(scheme).properties.friction ? examples::Guidance::frictional
+                                                  : examples::Guidance::frictionless;
+}
 
 }  // namespace saltus::test

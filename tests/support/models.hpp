@@ -5,6 +5,7 @@
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 #include "saltus/kernel/model/nonsmooth_dynamical_system.hpp"
+#include "slider_crank/slider_crank.hpp"
 
 namespace saltus::test {
 
@@ -55,6 +56,8 @@ class Circle final : public Relation {
   Circle(int size, double radius) : Relation(size), radius_(radius) {}
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
+  void curvature(const In& q, const In& v, Out c) const override;
+  bool has_curvature() const override { return true; }
 
  private:
   double radius_;
@@ -70,5 +73,8 @@ double pendulum_tension(double t);
 /// circle on which it started: velocity-level constraints do not return it to g = 0.
 NonSmoothDynamicalSystem make_bowl(double mu);
 State exact_bowl(double mu, double until);
+
+/// How the slider is led in a model for this scheme: with friction if the scheme takes it.
+examples::Guidance guidance_for(const std::string& scheme);
 
 }  // namespace saltus::test

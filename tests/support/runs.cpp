@@ -95,10 +95,25 @@ std::vector<std::string> scheme_names() {
   return names;
 }
 
+std::vector<std::string> frictional_schemes() {
+  std::vector<std::string> names;
+  for (const IntegratorEntry& entry : integrators())
+    if (entry.properties.friction) names.push_back(entry.name);
+  return names;
+}
+
 const IntegratorEntry& scheme_entry(const std::string& name) {
   for (const IntegratorEntry& entry : integrators())
     if (entry.name == name) return entry;
   throw std::invalid_argument("no such scheme: " + name);
+}
+
+bool keeps_velocity_constraints(const std::string& name) {
+  return scheme_entry(name).properties.velocity_level;
+}
+
+double mu_taken_by(const std::string& name, double mu) {
+  return scheme_entry(name).properties.friction ? mu : 0.0;
 }
 
 }  // namespace saltus::test

@@ -1,20 +1,39 @@
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 
-namespace saltus {
+#include <stdexcept>
 
-HalfExplicit::HalfExplicit(std::string name, Tableau tableau, Activity activity)
-    : name_(std::move(name)), tableau_(std::move(tableau)), activity_(activity) {
+namespace saltus {
+namespace {
+
+void require_acceleration_level(const std::string& scheme, const NonSmoothDynamicalSystem& model) {
+  for (const auto& link : model.links()) {
+    for (const ContactSet& set : link.interaction->law().sets)
+      if (const auto* law = std::get_if<Coulomb>(&set); law && law->mu > 0.0)
+        throw std::invalid_argument(scheme + " takes no friction, got mu = " + std::to_string(law->mu) +
+                                    " in '" + link.name + "'");
+    if (!link.interaction->relation().has_curvature())
+      throw std::invalid_argument(scheme + " needs the curvature of every relation, '" + link.name +
+                                  "' does not define it");
+  }
+}
+
+}  // namespace
+
+HalfExplicit::HalfExplicit(std::string name, Tableau tableau, Level level, Activity activity)
+    : name_(std::move(name)), tableau_(std::move(tableau)), level_(level), activity_(activity) {
   validate(tableau_);
   s_ = tableau_.stages() - 1;
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
   for (int l = 1; l <= s_ + 1; ++l) {
-    explicit_[l] = l == s_ + 1 || tableau_.Ac.row(l - 1) == tableau_.Aq.row(l - 1);
+    explicit_[l] =
+        l == s_ + 1 || (level_ == Level::velocity && tableau_.Ac.row(l - 1) == tableau_.Aq.row(l - 1));
     same_as_last_[l] = l > 1 && tableau_.Aq.row(l - 1) == tableau_.Aq.row(l - 2);
   }
 }
 
 void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
+  if (level_ == Level::acceleration) require_acceleration_level(name_, model);
   layout_ = std::make_shared<Layout>(model);
   slot_.assign(1, 0);
   for (int l = 1; l <= s_ + 1; ++l) slot_.push_back(slot_.back() + (same_as_last_[l] ? 0 : 1));
@@ -43,6 +62,10 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   if (!same_as_last_[s_ + 1]) at(s_ + 1).move_to(q_);
   if (!at(s_ + 1).factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
+    return report;
+  }
+  if (!at(s_ + 1).finite()) {
+    report.status = StepStatus::gap_not_finite;
     return report;
   }
   report.impulsive = newly_closed();
@@ -83,7 +106,6 @@ bool HalfExplicit::stage(int l, double t, double dt, StepReport& report) {
 
 // Velocity and position of row l, and the multiplier λ_{l-1}: (66), (69)-(70), (63) and (67), (71)-(72)
 bool HalfExplicit::row(int l, double dt, StepReport& report) {
-  const bool output = l == s_ + 1;
   Stage& force = stages_[l - 1];
   Stage& next = stages_[l];
   const double weight = dt * tableau_.Av(l - 1, l - 1);
@@ -92,19 +114,11 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
   for (int k = 0; k < l - 1; ++k)
     next.v += (dt * tableau_.Av(l - 1, k)) * (stages_[k].acceleration + stages_[k].reaction);
 
-  Configuration& constraint = explicit_[l] ? at(l) : *predicted_;
-  if (!output && !(explicit_[l] && same_as_last_[l])) {
-    position(tableau_.Ac, l, dt);
-    if (explicit_[l] || activity_ == Activity::predicted)
-      constraint.move_to(q_);
-    else
-      constraint.move_without_gaps(q_);
-  }
-  choose_closed(output ? at(l) : activity_ == Activity::predicted ? constraint : at(0));
-
+  if (level_ == Level::velocity)
+    constrain_velocity(l, dt);
+  else
+    constrain_acceleration(l, dt);
   ContactAssembly& assembly = contacts_->assembly();
-  assembly.assemble(active_, constraint, at(l - 1));
-  assembly.set_b(constraint, next.v);
   assembly.gather(force.lambda, weight, contacts_->P());
   if (!contacts_->solve(report)) return false;
   force.lambda.setZero();
@@ -113,11 +127,35 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
   assembly.apply(1.0 / weight, contacts_->P().data(), force.reaction);
   next.v += weight * force.reaction;
 
-  if (!explicit_[l]) {
+  if (l <= s_ && !explicit_[l] && !same_as_last_[l]) {
     position(tableau_.Aq, l, dt);
     at(l).move_to(q_);
   }
   return true;
+}
+
+// W at the row's own position, or at a prediction of it where that needs the velocity first, (69), (71)
+void HalfExplicit::constrain_velocity(int l, double dt) {
+  Configuration& constraint = explicit_[l] ? at(l) : *predicted_;
+  if (l <= s_ && !(explicit_[l] && same_as_last_[l])) {
+    position(tableau_.Ac, l, dt);
+    if (explicit_[l] || activity_ == Activity::predicted)
+      constraint.move_to(q_);
+    else
+      constraint.move_without_gaps(q_);
+  }
+  choose_closed(l > s_ ? at(l) : activity_ == Activity::predicted ? constraint : at(0));
+  contacts_->assembly().assemble(active_, constraint, at(l - 1));
+  contacts_->assembly().set_b(constraint, stages_[l].v);
+}
+
+// g̈ at the stage of the multiplier, times the time that it acts: (40), (49)-(50)
+void HalfExplicit::constrain_acceleration(int l, double dt) {
+  const Stage& stage = stages_[l - 1];
+  choose_staying(at(l - 1), stage, dt);
+  contacts_->assembly().assemble(active_, at(l - 1), at(l - 1));
+  contacts_->assembly().set_b_of_acceleration(at(l - 1), stage.v, stage.acceleration,
+                                              dt * tableau_.Av(l - 1, l - 1));
 }
 
 // Contacts with g <= 0 and the bilateral ones, S1 of (51)
@@ -125,6 +163,18 @@ void HalfExplicit::choose_closed(const Configuration& at) {
   active_.clear();
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     if (at.closed(k)) active_.push_back(k);
+}
+
+// Closed contacts that do not open, S2 of (52); the solver's tolerance must not tell those at rest apart
+void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double dt) {
+  active_.clear();
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
+    if (!at.closed(k)) continue;
+    const auto& contact = layout_->contacts[k];
+    at.relative_velocity(k, stage.v, gamma_.data() + contact.row);
+    const double zero = at.velocity_tolerance(k, stage.v, stage.acceleration, dt);
+    if (contact.law->bilateral || gamma_[contact.row] <= zero) active_.push_back(k);
+  }
 }
 
 bool HalfExplicit::newly_closed() {

@@ -14,20 +14,26 @@ enum class Activity {
   predicted,  ///< closed at the predicted position, (77): corrupts impacts, kept to show it
 };
 
-/// All half-explicit schemes on velocity level: one row after the other, each an explicit stage whose
-/// multiplier puts the velocity constraint right at the row's own position; then the impact, if a
-/// contact has newly closed.
+/// Where the multipliers of the stages put the constraint right.
+enum class Level {
+  velocity,      ///< Wᵀv at the row's own position, (69)-(72)
+  acceleration,  ///< g̈ at the stage of the multiplier, (36)-(42), on contacts that are closed and do not
+                 ///< open, (52); without friction
+};
+
+/// All half-explicit schemes: one row after the other, each an explicit stage with a multiplier that keeps
+/// the constraint; then the impact, if a contact has newly closed.
 class HalfExplicit final : public OneStepIntegrator {
  public:
   /// @param name  in the registry
   /// @throws std::invalid_argument if the tableau is refused
-  HalfExplicit(std::string name, Tableau tableau, Activity activity);
+  HalfExplicit(std::string name, Tableau tableau, Level level, Activity activity);
 
   std::string name() const override { return name_; }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
   std::unique_ptr<OneStepIntegrator> clone() const override {
-    return std::make_unique<HalfExplicit>(name_, tableau_, activity_);
+    return std::make_unique<HalfExplicit>(name_, tableau_, level_, activity_);
   }
 
  private:
@@ -41,10 +47,13 @@ class HalfExplicit final : public OneStepIntegrator {
 
   void begin(const State& state, const Reactions& reactions);
   bool row(int l, double dt, StepReport& report);
+  void constrain_velocity(int l, double dt);
+  void constrain_acceleration(int l, double dt);
   bool stage(int l, double t, double dt, StepReport& report);
   bool impact(double dt, StepReport& report);
   void position(const Matrix& A, int l, double dt);
   void choose_closed(const Configuration& at);
+  void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
   void take_work(double dt, StepReport& report);
   double lambda_power(int k);
@@ -53,6 +62,7 @@ class HalfExplicit final : public OneStepIntegrator {
 
   std::string name_;
   Tableau tableau_;
+  Level level_;
   Activity activity_;
   int s_;                           // rows 1..s_, output s_+1
   std::vector<bool> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position

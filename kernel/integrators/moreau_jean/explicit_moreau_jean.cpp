@@ -25,12 +25,20 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
   }
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     start.relative_velocity(k, state.v, gamma_before_.data() + layout_->contacts[k].row);
+  if (!gamma_before_.allFinite()) {  // a NaN would count as open
+    report.status = StepStatus::not_finite;
+    return report;
+  }
   predict_active(dt);
 
   q_ = state.q + dt * state.v;  // (29)
   end.move_to(q_);
   if (!end.factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
+    return report;
+  }
+  if (!end.finite()) {
+    report.status = StepStatus::gap_not_finite;
     return report;
   }
   evaluate_forces(*layout_, state.t, state.q, state.v, h_);

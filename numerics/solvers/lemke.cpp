@@ -1,0 +1,114 @@
+#include "saltus/numerics/solvers/lemke.hpp"
+
+#include <Eigen/QR>
+
+#include "saltus/numerics/solvers/active_set.hpp"
+
+namespace saltus {
+
+bool Lemke::accepts(const ContactProblem& problem) const { return ActiveSet::accepts(problem); }
+
+void Lemke::reserve(int rows) {
+  xi_.reserve(rows);
+  z_.reserve(2 * rows);  // three unknowns for the two rows of a frictional contact
+  lcp_.reserve(2 * rows);
+}
+
+SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
+  eliminate_equalities(problem);
+  fill(problem);
+  const LcpOutcome outcome = lcp_.solve(z_.data());
+  read(problem, P);
+  xi_.resize(problem.rows());
+  SolveReport report{.solver = name()};
+  report.iterations = lcp_.pivots();
+  report.certificate = certify(problem, P, xi_.data());
+  if (report.certificate.within(default_tolerance)) return report;
+  report.status = outcome == LcpOutcome::ray               ? SolveStatus::ray
+                  : outcome == LcpOutcome::iteration_limit ? SolveStatus::iteration_limit
+                                                           : SolveStatus::breakdown;
+  return report;
+}
+
+// P_free = -G_ff⁺ (b_f + G_fr P_rest); least squares where equalities depend on each other
+void Lemke::eliminate_equalities(const ContactProblem& problem) {
+  free_.clear();
+  rest_.clear();
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    for (int i = 0; i < rows_of(set); ++i, ++row)
+      (std::holds_alternative<Equality>(set) ? free_ : rest_).push_back(row);
+  }
+  const auto G = problem.G.view();
+  const auto b = problem.b.view();
+  G_ = G(rest_, rest_);
+  b_ = b(rest_);
+  if (free_.empty()) return;
+  const Matrix free = G(free_, free_);
+  const Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(free);
+  elimination_ = -decomposition.solve(G(free_, rest_));
+  particular_ = -decomposition.solve(b(free_));
+  G_ += G(rest_, free_) * elimination_;
+  b_ += G(rest_, free_) * particular_;
+}
+
+void Lemke::fill(const ContactProblem& problem) {
+  int size = 0;
+  for (const ContactSet& set : problem.sets)
+    if (!std::holds_alternative<Equality>(set)) size += std::holds_alternative<Coulomb>(set) ? 3 : 1;
+  lcp_.resize(size);
+  z_.resize(size);
+  auto M = lcp_.M().view();
+  auto q = lcp_.q().view();
+  M.setZero();
+  q.setZero();
+  // Columns first: P = T z, then the rows of xi = G P + b that the law takes
+  Matrix T = Matrix::Zero(G_.rows(), size);
+  int row = 0, at = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<Equality>(set)) continue;
+    T(row, at) = 1.0;
+    if (const auto* law = std::get_if<Coulomb>(&set)) {
+      T(row + 1, at) = -law->mu;  // P_T = σ⁺ − μ P_N
+      T(row + 1, at + 1) = 1.0;
+      at += 2;
+      ++row;
+    }
+    ++row;
+    ++at;
+  }
+  const Matrix xi = G_ * T;
+  row = at = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<Equality>(set)) continue;
+    M.row(at) = xi.row(row);
+    q[at++] = b_[row++];
+    if (const auto* law = std::get_if<Coulomb>(&set)) {
+      M.row(at) = xi.row(row);  // ξ⁺ = ξ_T + ξ⁻
+      M(at, at + 1) += 1.0;
+      q[at++] = b_[row++];
+      M(at, at - 2) = 2.0 * law->mu;  // σ⁻ = 2 μ P_N − σ⁺
+      M(at, at - 1) = -1.0;
+      ++at;
+    }
+  }
+}
+
+void Lemke::read(const ContactProblem& problem, double* P) {
+  Vec rest(G_.rows());
+  int row = 0, at = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<Equality>(set)) continue;
+    rest[row++] = z_[at];
+    if (const auto* law = std::get_if<Coulomb>(&set)) {
+      rest[row++] = z_[at + 1] - law->mu * z_[at];
+      at += 2;
+    }
+    ++at;
+  }
+  Out all(P, problem.rows());
+  all(rest_) = rest;
+  if (!free_.empty()) all(free_) = particular_ + elimination_ * rest;
+}
+
+}  // namespace saltus

@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include "saltus/numerics/contact_solver.hpp"
+#include "saltus/numerics/linear/dense_solve.hpp"
+#include "saltus/numerics/solvers/lemke_lcp.hpp"
+
+namespace saltus {
+
+/// Lemke's method on contact problems. Equalities are eliminated; a plane Coulomb contact becomes the
+/// linear complementarity problem
+///   z = (P_N, σ⁺, ξ⁻),  w = (ξ_N, ξ⁺, σ⁻),  P_T = σ⁺ − μ P_N,  ξ_T = ξ⁺ − ξ⁻,  σ⁻ = 2 μ P_N − σ⁺,
+/// which is exact.
+class Lemke final : public ContactSolver {
+ public:
+  std::string_view name() const override { return "lemke"; }
+  /// Plane friction.
+  bool accepts(const ContactProblem& problem) const override;
+  void reserve(int rows) override;
+  SolveReport solve(const ContactProblem& problem, double* P) override;
+  std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<Lemke>(); }
+
+ private:
+  void eliminate_equalities(const ContactProblem& problem);
+  void fill(const ContactProblem& problem);
+  void read(const ContactProblem& problem, double* P);
+
+  LemkeLcp lcp_;
+  std::vector<int> free_, rest_;  // rows of equalities, and all others
+  Matrix elimination_;            // (free, rest): P_free = particular + elimination P_rest
+  Vec particular_;
+  Matrix G_;  // (rest, rest) after elimination
+  Vec b_;
+  PoolVec z_, xi_;
+};
+
+}  // namespace saltus
