@@ -49,9 +49,10 @@ void bind_io(py::module_& module) {
             all["work_forces"] = table(r.work_forces, rows);
             all["work_lambda"] = table(r.work_lambda, rows);
             all["work_impulse"] = table(r.work_impulse, rows);
+            for (auto column : all) column.second.attr("flags").attr("writeable") = false;
             return all;
           },
-          "Copies of all columns, name: array.");
+          "Copies of all columns, name: read-only array.");
 }
 
 }  // namespace saltus::python

@@ -29,6 +29,13 @@ std::optional<Matrix> optional_matrix(const std::optional<ArrayLike>& array, con
   return to_matrix(*array, what);
 }
 
+// The C++ side of a Python object whose class may have forgotten super().__init__().
+template <class Class>
+const Class& initialised(const py::object& self) {
+  require_initialised(self);
+  return self.cast<const Class&>();
+}
+
 void bind_systems(py::module_& module) {
   py::classh<LagrangianDS, PyLagrangianDS>(
       module, "LagrangianDS", py::dynamic_attr(),
@@ -65,9 +72,12 @@ ValueError
           py::arg("shape"), py::arg("pose"),
           "Let the system look like this in pictures: a Disc, Box or Polyline whose frame is at\n"
           "pose(q) = (x [m], y [m], angle [rad]). Shapes are stored with the run.")
-      .def_property_readonly("dimension", &LagrangianDS::dimension)
-      .def_property_readonly("q0", [](const LagrangianDS& ds) { return to_array(ds.q0()); })
-      .def_property_readonly("v0", [](const LagrangianDS& ds) { return to_array(ds.v0()); });
+      .def_property_readonly("dimension",
+                             [](py::object self) { return initialised<LagrangianDS>(self).dimension(); })
+      .def_property_readonly("q0",
+                             [](py::object self) { return to_array(initialised<LagrangianDS>(self).q0()); })
+      .def_property_readonly("v0",
+                             [](py::object self) { return to_array(initialised<LagrangianDS>(self).v0()); });
 
   py::classh<LagrangianLinearTIDS, LagrangianDS>(module, "LagrangianLinearTIDS", py::is_final(),
                                                  R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
@@ -119,7 +129,7 @@ ValueError
     If size < 1.
 )")
       .def(py::init<int>(), py::arg("size"))
-      .def_property_readonly("size", &Relation::size);
+      .def_property_readonly("size", [](py::object self) { return initialised<Relation>(self).size(); });
   py::classh<LagrangianLinearTIR, Relation>(module, "LagrangianLinearTIR", py::is_final(),
                                             R"(Linear relation: gap (H q + b) in the normal rows, Wᵀ = H.
 
@@ -183,6 +193,7 @@ void bind_model(py::module_& module) {
       .def_readonly("deviation", &CheckItem::deviation)
       .def_readonly("tolerance", &CheckItem::tolerance)
       .def_readonly("note", &CheckItem::note)
+      .def_readonly("advisory", &CheckItem::advisory)
       .def_property_readonly("ok", &CheckItem::ok);
 
   using Systems = std::vector<std::shared_ptr<LagrangianDS>>;
@@ -288,7 +299,7 @@ void bind_simulation(py::module_& module) {
       .def("take_step", &TimeStepping::step)
       .def_property_readonly("time_step", &TimeStepping::time_step)
       .def_property_readonly("steps", &TimeStepping::steps)
-      .def_property_readonly("report", &TimeStepping::report)
+      .def_property_readonly("report", [](const TimeStepping& self) { return self.report(); })
       .def_property_readonly("t", [](const TimeStepping& self) { return self.state().t; })
       .def_property_readonly("q", [](const TimeStepping& self) { return to_array(self.state().q); })
       .def_property_readonly("v", [](const TimeStepping& self) { return to_array(self.state().v); });

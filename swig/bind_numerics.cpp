@@ -30,7 +30,8 @@ Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<Contact
     const Vec start = to_vec(*warm_start, "warm_start");
     if (start.size() != P.size() || !start.allFinite())
       throw std::invalid_argument("warm_start must be finite and have " + std::to_string(P.size()) +
-                                  " entries as b has, got " + std::to_string(start.size()));
+                                  " entries as b has, got " + std::to_string(start.size()) +
+                                  (start.allFinite() ? "" : " with NaN or infinity"));
     P = start;
   }
   method->reserve(problem.rows());

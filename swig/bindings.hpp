@@ -17,12 +17,15 @@ void bind_io(py::module_& module);
 void bind_examples(py::module_& module);
 
 /// Array-likes of constructors: converted and copied once, never views.
-using ArrayLike = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using ArrayLike = py::object;
 
-/// @throws std::invalid_argument naming `what` unless the array has one axis
-Vec to_vec(const ArrayLike& array, const std::string& what);
-/// @throws std::invalid_argument naming `what` unless the array has two axes
-Matrix to_matrix(const ArrayLike& array, const std::string& what);
+/// @throws std::invalid_argument naming `what` unless it is an array of real numbers, none of them masked,
+///         with one axis
+Vec to_vec(const ArrayLike& values, const std::string& what);
+/// The same with two axes.
+Matrix to_matrix(const ArrayLike& values, const std::string& what);
+/// @throws py::type_error if the object's __init__ has not been called: there is no C++ object then
+void require_initialised(py::handle self);
 /// A new array with these values.
 py::array_t<double> to_array(const Vec& values);
 

@@ -12,15 +12,43 @@ std::string shape_of(const py::array& array) {
   return py::str(py::tuple(py::cast(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()))));
 }
 
+// Real numbers only: a conversion that drops imaginary parts, masks or units is no conversion.
+py::array_t<double> to_numbers(const ArrayLike& values, const std::string& what) {
+  const py::module_ numpy = py::module_::import("numpy");
+  py::array array;
+  try {
+    array = numpy.attr("asarray")(values);
+  } catch (const py::error_already_set& error) {
+    throw std::invalid_argument(what +
+                                " must be an array of numbers: " + std::string(py::str(error.value())));
+  }
+  const std::string kind = py::str(array.dtype().attr("kind"));
+  if (std::string("biuf").find(kind) == std::string::npos)
+    throw std::invalid_argument(what + " must be an array of real numbers, got " +
+                                std::string(py::str(array.dtype())));
+  if (py::cast<bool>(numpy.attr("ma").attr("is_masked")(values)))
+    throw std::invalid_argument(what + " must not be masked, got masked entries");
+  return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
+}
+
 }  // namespace
 
-Vec to_vec(const ArrayLike& array, const std::string& what) {
+void require_initialised(py::handle self) {
+  auto* instance = reinterpret_cast<py::detail::instance*>(self.ptr());
+  if (instance->get_value_and_holder().holder_constructed()) return;
+  throw py::type_error(std::string(Py_TYPE(self.ptr())->tp_name) +
+                       ": super().__init__() must be called first");
+}
+
+Vec to_vec(const ArrayLike& values, const std::string& what) {
+  const auto array = to_numbers(values, what);
   if (array.ndim() != 1)
     throw std::invalid_argument(what + " must have one axis, got shape " + shape_of(array));
   return Eigen::Map<const Vec>(array.data(), array.shape(0));
 }
 
-Matrix to_matrix(const ArrayLike& array, const std::string& what) {
+Matrix to_matrix(const ArrayLike& values, const std::string& what) {
+  const auto array = to_numbers(values, what);
   if (array.ndim() != 2)
     throw std::invalid_argument(what + " must have two axes, got shape " + shape_of(array));
   return Eigen::Map<const Matrix>(array.data(), array.shape(0), array.shape(1));

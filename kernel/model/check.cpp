@@ -1,5 +1,6 @@
 #include "saltus/kernel/model/check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -9,8 +10,9 @@
 namespace saltus {
 namespace {
 
-constexpr double difference_step = 1e-5;       // of central differences: their error is about 1e-10
-constexpr double difference_tolerance = 1e-6;  // far above that, far below any wrong term
+constexpr double relative_tolerance = 1e-6;  // far above the error of differences, far below any wrong term
+constexpr double relative_step = 1e-5;       // of differences, for coordinates of size 1 and more
+constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double broken = std::numeric_limits<double>::infinity();
 
 In view(const Vec& x) { return {x.data(), x.size()}; }
@@ -39,26 +41,47 @@ Matrix jacobian_at(const Relation& relation, const Vec& q) {
   return J;
 }
 
-// Column j of the result is the central difference of f along freedom j.
+// A derivative by central differences, and what it may be wrong by.
+struct Difference {
+  Matrix value;
+  double error = 0.0;
+};
+
+// f along x + s·direction, with two steps: their difference tells the error of truncation, the size of f that
+// of rounding.
 template <class Function>
-Matrix gradient(Function f, const Vec& q) {
-  Matrix all;
+Difference slope(Function f, const Vec& x, const Vec& direction, double step) {
+  auto central = [&](double s) { return Matrix((f(x + s * direction) - f(x - s * direction)) / (2 * s)); };
+  const Matrix coarse = central(step), fine = central(step / 4);
+  const double size = Matrix(f(x)).cwiseAbs().maxCoeff();
+  return {fine, 2 * (fine - coarse).cwiseAbs().maxCoeff() + 16 * eps * size / step};
+}
+
+// Column j is the derivative of f along freedom j.
+template <class Function>
+Difference gradient(Function f, const Vec& q) {
+  Difference all;
   for (Eigen::Index j = 0; j < q.size(); ++j) {
-    Vec ahead = q, behind = q;
-    ahead[j] += difference_step;
-    behind[j] -= difference_step;
-    const Vec slope = (f(ahead) - f(behind)) / (2 * difference_step);
-    if (j == 0) all.resize(slope.size(), q.size());
-    all.col(j) = slope;
+    const double step = relative_step * std::max(1.0, std::abs(q[j]));
+    const Difference column = slope(f, q, Vec::Unit(q.size(), j), step);
+    if (j == 0) all.value.resize(column.value.size(), q.size());
+    all.value.col(j) = column.value;
+    all.error = std::max(all.error, column.error);
   }
   return all;
 }
 
-double deviation(const Matrix& got, const Matrix& expected) {
-  if (!got.allFinite() || !expected.allFinite()) return broken;
-  if (got.size() == 0) return 0.0;
-  const double scale = std::max(1.0, std::max(got.cwiseAbs().maxCoeff(), expected.cwiseAbs().maxCoeff()));
-  return (got - expected).cwiseAbs().maxCoeff() / scale;
+CheckItem compare(const std::string& subject, const std::string& quantity, const Matrix& got,
+                  const Difference& expected, const std::string& note = "") {
+  if (!got.allFinite() || !expected.value.allFinite()) return {subject, quantity, broken, 0.0, note, false};
+  if (got.size() == 0) return {subject, quantity, 0.0, 0.0, note, false};
+  const double size = std::max(got.cwiseAbs().maxCoeff(), expected.value.cwiseAbs().maxCoeff());
+  return {subject,
+          quantity,
+          (got - expected.value).cwiseAbs().maxCoeff(),
+          relative_tolerance * size + expected.error,
+          note,
+          false};
 }
 
 std::string text(const char* label, const Vec& values) {
@@ -72,12 +95,12 @@ std::string text(const char* label, const Vec& values) {
 }
 
 // −(Ṁv − ½ ∂(vᵀMv)/∂q)
-Vec gyroscopic(const LagrangianDS& system, const Vec& q, const Vec& v) {
-  const double eps = difference_step;
-  const Matrix rate = (mass_at(system, q + eps * v) - mass_at(system, q - eps * v)) / (2 * eps);
-  const Matrix energy =
+Difference gyroscopic(const LagrangianDS& system, const Vec& q, const Vec& v) {
+  const double step = relative_step * std::max(1.0, q.cwiseAbs().maxCoeff()) / v.cwiseAbs().maxCoeff();
+  const Difference rate = slope([&](const Vec& x) { return Vec(mass_at(system, x) * v); }, q, v, step);
+  const Difference energy =
       gradient([&](const Vec& x) { return Vec(Vec::Constant(1, 0.5 * v.dot(mass_at(system, x) * v))); }, q);
-  return -(rate * v) + energy.transpose().col(0);
+  return {energy.value.transpose() - rate.value, rate.error + energy.error};
 }
 
 // A velocity that moves every freedom, of the size of the initial one.
@@ -93,38 +116,56 @@ void check_system(const LagrangianDS& system, double t0, const std::string& who,
                   std::vector<CheckItem>& items) {
   const Vec& q = system.q0();
   const Matrix M = mass_at(system, q);
-  items.push_back({who, "mass symmetric", deviation(M, M.transpose()), 1e-9, ""});
+  items.push_back(compare(who, "mass symmetric", M, {M.transpose(), 0.0}));
   const double lowest = smallest_eigenvalue(M);
   items.push_back({who, "mass positive definite", lowest > 0.0 ? 0.0 : broken, 0.0,
-                   text("smallest eigenvalue", Vec::Constant(1, lowest))});
-
+                   text("smallest eigenvalue", Vec::Constant(1, lowest)), false});
   const Vec v = test_velocity(system.v0());
   const Vec rest = forces_at(system, t0, q, Vec::Zero(q.size()));
-  const Vec even = 0.5 * (forces_at(system, t0, q, v) + forces_at(system, t0, q, -v)) - rest;
-  items.push_back({who, "velocity-dependent forces against mass", deviation(even, gyroscopic(system, q, v)),
-                   difference_tolerance, "part of h that is even in v"});
+  const Vec ahead = forces_at(system, t0, q, v), back = forces_at(system, t0, q, -v);
+  items.push_back(
+      {who, "forces finite", ahead.allFinite() && back.allFinite() ? 0.0 : broken, 0.0, "", false});
+  if (!system.constant_mass()) {
+    Difference demanded = gyroscopic(system, q, v);
+    demanded.error += 16 * eps * std::max(ahead.cwiseAbs().maxCoeff(), rest.cwiseAbs().maxCoeff());
+    items.push_back(compare(who, "velocity-dependent forces against mass", 0.5 * (ahead + back) - rest,
+                            demanded, "part of h that is even in v"));
+  }
   if (std::isnan(system.potential_energy(view(q)))) return;
-  const Matrix slope =
+  Difference potential =
       gradient([&](const Vec& x) { return Vec(Vec::Constant(1, system.potential_energy(view(x)))); }, q);
-  items.push_back({who, "forces against potential_energy", deviation(rest, -slope.transpose()),
-                   difference_tolerance, "h at v = 0"});
+  potential.value = -potential.value.transpose().eval();
+  CheckItem item = compare(who, "forces against potential_energy", rest, potential,
+                           "h at v = 0; forces without potential are no error");
+  item.advisory = true;
+  items.push_back(item);
 }
 
-void check_interaction(const Relation& relation, int gaps, const Vec& q, const Vec& v, const std::string& who,
-                       std::vector<CheckItem>& items) {
+void check_interaction(const Relation& relation, const NonSmoothLaw& law, const Vec& q, const Vec& v,
+                       const std::string& who, std::vector<CheckItem>& items) {
   const Matrix J = jacobian_at(relation, q);
-  const Matrix expected = gradient([&](const Vec& x) { return gap_at(relation, gaps, x); }, q);
+  const Vec g = gap_at(relation, law.gaps, q);
   const Vec velocity = J * v;
-  items.push_back({who, "jacobian against gap", deviation(J.topRows(gaps), expected), difference_tolerance,
-                   text("gap at t0 [m]:", gap_at(relation, gaps, q)) + text(", velocity [m/s]:", velocity)});
-  if (!J.allFinite()) items.push_back({who, "jacobian finite", broken, 0.0, ""});
+  items.push_back(compare(who, "jacobian against gap", J.topRows(law.gaps),
+                          gradient([&](const Vec& x) { return gap_at(relation, law.gaps, x); }, q),
+                          text("gap at t0 [m]:", g) + text(", velocity [m/s]:", velocity)));
+  items.push_back({who, "jacobian finite", J.allFinite() ? 0.0 : broken, 0.0, "", false});
+  if (law.bilateral) {
+    const double length = std::max(1.0, q.cwiseAbs().maxCoeff());
+    const double speed = std::max(1.0, v.cwiseAbs().maxCoeff());
+    items.push_back({who, "bilateral gap at t0", g.cwiseAbs().maxCoeff(), relative_tolerance * length,
+                     text("gap [m]:", g), false});
+    items.push_back({who, "bilateral velocity at t0", velocity.cwiseAbs().maxCoeff(),
+                     relative_tolerance * speed, text("velocity [m/s]:", velocity), false});
+  }
   if (!relation.has_curvature()) return;
   const Vec w = test_velocity(v);
-  const double eps = difference_step;
-  const Vec rate = (jacobian_at(relation, q + eps * w) - jacobian_at(relation, q - eps * w)) * w / (2 * eps);
+  const double step = relative_step * std::max(1.0, q.cwiseAbs().maxCoeff());
   Vec c = Vec::Zero(relation.size());
   relation.curvature(view(q), view(w), {c.data(), c.size()});
-  items.push_back({who, "curvature against jacobian", deviation(c, rate), difference_tolerance, ""});
+  items.push_back(
+      compare(who, "curvature against jacobian", c,
+              slope([&](const Vec& x) { return Vec(jacobian_at(relation, x) * w); }, q, w, step)));
 }
 
 }  // namespace
@@ -143,7 +184,7 @@ std::vector<CheckItem> check(const NonSmoothDynamicalSystem& model) {
       q.tail(second.dimension()) = second.q0();
       v.tail(second.dimension()) = second.v0();
     }
-    check_interaction(link.interaction->relation(), link.interaction->law().gaps, q, v, link.name, items);
+    check_interaction(link.interaction->relation(), link.interaction->law(), q, v, link.name, items);
   }
   return items;
 }

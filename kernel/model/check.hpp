@@ -10,17 +10,19 @@ namespace saltus {
 struct CheckItem {
   std::string subject;   ///< "system 0" or the interaction's name
   std::string quantity;  ///< what was compared
-  double deviation;      ///< largest difference, relative to the size of the terms
-  double tolerance;
-  std::string note;  ///< values at t0, or why the item was left out
-  bool ok() const { return deviation <= tolerance; }
+  double deviation;      ///< largest difference, in the quantity's own unit
+  double tolerance;      ///< 1e-6 of its size, and the error of the differences
+  std::string note;      ///< values at t0
+  bool advisory;         ///< a deviation is worth a look, but may be meant
+  bool ok() const { return advisory || deviation <= tolerance; }
 };
 
 /// Checks a model at its initial state, by central differences around it:
 ///   mass       finite, symmetric, positive definite
-///   forces     finite; the part even in v equals −(Ṁv − ½ ∂(vᵀMv)/∂q), which M determines
-///   potential  −∂V/∂q equals the part of h at v = 0, where V is known
+///   forces     finite; where M depends on q, the part even in v equals −(Ṁv − ½ ∂(vᵀMv)/∂q)
+///   potential  −∂V/∂q equals the part of h at v = 0, where V is known: advisory
 ///   jacobian   normal rows equal ∂g/∂q; all rows finite
+///   bilateral  gap and velocity vanish
 ///   curvature  equals (dWᵀ/dt) v, where it is defined
 /// and notes gaps and relative velocities at t0.
 std::vector<CheckItem> check(const NonSmoothDynamicalSystem& model);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import tempfile
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
+import numpy as np
 
 from saltus._core import Recording, __version__
 
@@ -40,6 +42,7 @@ UNITS = {
     "work_lambda": "J",
     "work_impulse": "J",
 }
+COLUMNS = (*UNITS, "step", "impulsive", "closed")
 CONTACT_COLUMNS = ("gap", "velocity", "lambda_plus", "lambda_minus", "impulse")
 
 
@@ -269,7 +272,9 @@ class Trajectory:
 
 def write_hdf5(trajectory: Trajectory, path: str | os.PathLike[str]) -> Path:
     """See `Trajectory.to_hdf5`."""
-    target = Path(path)
+    target = Path(os.path.realpath(path))  # a link stays one: its target is replaced
+    if target.exists() and not target.is_file():
+        raise _unwritable(target, OSError(errno.EISDIR, "not a regular file"))
     try:
         descriptor, name = tempfile.mkstemp(dir=target.parent, prefix=target.name, suffix=".part")
         os.close(descriptor)
@@ -303,24 +308,31 @@ def read_hdf5(path: str | os.PathLike[str]) -> Trajectory:
         raise OSError(f"cannot read '{path}': expected an HDF5 file ({error})") from error
     with file:
         version = file.attrs.get("saltus_format")
-        if version is None:
+        if not isinstance(version, np.integer):
             raise ValueError(f"'{path}' must be a run of Saltus, got an HDF5 file without 'saltus_format'")
         if version > FORMAT_VERSION:
             raise ValueError(f"'{path}' has format {version}, this version reads up to {FORMAT_VERSION}")
-        layout = json.loads(file.attrs["layout"])
-        contacts = {name: ContactSlot(**slot) for name, slot in layout["contacts"].items()}
-        shapes = [
-            ShapeRecord(
-                int(group.attrs["system"]), str(group.attrs["kind"]), group["outline"][:], group["poses"][:]
-            )
-            for group in _groups(file["shapes"])
-        ]
-        return Trajectory(
-            {name: file["columns"][name][:] for name in file["columns"]},
-            Layout(contacts, tuple(layout["dimensions"])),
-            Provenance(**json.loads(file.attrs["provenance"])),
-            shapes,
+        try:
+            return _read(file)
+        except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+            raise ValueError(f"'{path}' must be a complete run of Saltus, got one with: {error!r}") from error
+
+
+def _read(file: h5py.File) -> Trajectory:
+    layout = json.loads(file.attrs["layout"])
+    contacts = {name: ContactSlot(**slot) for name, slot in layout["contacts"].items()}
+    shapes = [
+        ShapeRecord(
+            int(group.attrs["system"]), str(group.attrs["kind"]), group["outline"][:], group["poses"][:]
         )
+        for group in _groups(file["shapes"])
+    ]
+    return Trajectory(
+        {name: file["columns"][name][:] for name in COLUMNS},
+        Layout(contacts, tuple(layout["dimensions"])),
+        Provenance(**json.loads(file.attrs["provenance"])),
+        shapes,
+    )
 
 
 def _fill(file: h5py.File, trajectory: Trajectory) -> None:
@@ -330,8 +342,8 @@ def _fill(file: h5py.File, trajectory: Trajectory) -> None:
     file.attrs["provenance"] = json.dumps(asdict(trajectory.provenance))
     file.attrs["layout"] = json.dumps({"contacts": contacts, "dimensions": layout.dimensions})
     columns = file.create_group("columns")
-    for name, values in trajectory.columns().items():
-        dataset = columns.create_dataset(name, data=values)
+    for name in COLUMNS:
+        dataset = columns.create_dataset(name, data=trajectory.columns()[name])
         if name in UNITS:
             dataset.attrs["unit"] = UNITS[name]
     shapes = file.create_group("shapes")

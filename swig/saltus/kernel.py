@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING
 
 from saltus import _core
@@ -98,13 +99,19 @@ class CheckReport:
 
     def __str__(self) -> str:
         lines = [
-            f"{'ok ' if item.ok else 'BAD'}  {item.subject:<16} {item.quantity:<42} "
+            f"{_verdict(item)}  {item.subject:<16} {item.quantity:<42} "
             f"deviation {item.deviation:8.1e} (at most {item.tolerance:.0e})  {item.note}"
             for item in self.items
         ]
         return "\n".join(line.rstrip() for line in lines)
 
     __repr__ = __str__
+
+
+def _verdict(item: CheckItem) -> str:
+    if item.deviation <= item.tolerance:
+        return "ok "
+    return "see" if item.advisory else "BAD"
 
 
 class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
@@ -124,8 +131,8 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
     """
 
     def __init__(self, systems: Sequence[LagrangianDS], t0: float = 0.0) -> None:
-        super().__init__(list(systems), t0)
         self._systems = tuple(systems)
+        super().__init__(list(self._systems), t0)
 
     @property
     def systems(self) -> tuple[LagrangianDS, ...]:
@@ -136,8 +143,9 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         """Compare mass, forces, jacobian and curvature with finite differences at the initial state.
 
         Normal rows of the Jacobian against the gap's gradient, curvature against the Jacobian's rate, the
-        part of the forces that is even in v against what the mass matrix demands, forces at rest against
-        the potential energy where it is defined; gaps and relative velocities at t0 are noted.
+        part of the forces that is even in v against what a varying mass matrix demands, forces at rest
+        against the potential energy where it is defined ("see": forces without potential are no error),
+        gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))
 
@@ -169,13 +177,20 @@ class TimeStepping(_core.TimeSteppingBase):
         solver: str = "auto",
         record_every: int = 1,
     ) -> None:
+        if not isinstance(system, NonSmoothDynamicalSystem):
+            raise TypeError(f"system must be a NonSmoothDynamicalSystem, got {type(system).__name__}")
         scheme = _core.make_integrator(integrator) if isinstance(integrator, str) else integrator
-        super().__init__(system, scheme, time_step, solver)
+        if not isinstance(scheme, OneStepIntegrator):
+            hint = f": call it, {scheme.name}()" if isinstance(scheme, IntegratorFactory) else ""
+            raise TypeError(f"integrator must be a OneStepIntegrator or a name, got {integrator!r}{hint}")
+        if not isinstance(time_step, Real):
+            raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
+        super().__init__(system, scheme, float(time_step), solver)
         recording = _core.Recording(record_every)
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
         provenance = Provenance.now(scheme.name, time_step, solver, record_every)
-        self._trajectory = Trajectory(recording, layout, provenance, shapes_of(system.systems))
+        self._trajectory: Trajectory = Trajectory(recording, layout, provenance, shapes_of(system.systems))
 
     @property
     def trajectory(self) -> Trajectory:

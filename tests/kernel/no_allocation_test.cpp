@@ -104,6 +104,21 @@ TEST_P(NoAllocation, TwoBalls) {
   EXPECT_GE(counted.impacts, 1);
 }
 
+// Three contacts in one place: G has rank 2 of 6, which takes another decomposition.
+TEST_P(NoAllocation, ContactsThatDependOnEachOther) {
+  auto block = std::make_shared<LagrangianLinearTIDS>(
+      vec({0.0, 0.05}), vec({1.0, 0.0}), Matrix::Identity(2, 2),
+      LagrangianLinearTIDS::Terms{.external_force = vec({0.0, -gravity})});
+  NonSmoothDynamicalSystem model({block});
+  const Matrix H = (Matrix(2, 2) << 0.0, 1.0, 1.0, 0.0).finished();
+  const NewtonImpactFrictionNSL law(0.3, 0.0, mu_taken_by(GetParam(), 0.2), 2);
+  for (const char* name : {"left", "middle", "right"})
+    model.link(linear_contact(H, vec({0.0, 0.0}), law, name), *block);
+  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.closed, 500);
+}
+
 INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(scheme_names()),
                          [](const auto& test) { return test.param; });
 

@@ -62,7 +62,13 @@ def main() -> None:
     """Run the command; an error that a user can mend is one line on stderr."""
     try:
         app()
-    except (ValueError, OSError) as error:
-        text = getattr(error, "strerror", None) or str(error)
-        Console(stderr=True, soft_wrap=True).print(f"saltus: {text}", style="red", markup=False)
-        sys.exit(1)
+    except ValueError as error:
+        _fail(str(error))
+    except OSError as error:
+        text = error.strerror or str(error)
+        _fail(f"{error.filename}: {text}" if error.filename else text)
+
+
+def _fail(text: str) -> None:
+    Console(stderr=True, soft_wrap=True).print(f"saltus: {text}", style="red", markup=False)
+    sys.exit(1)
