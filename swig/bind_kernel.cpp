@@ -232,12 +232,19 @@ py::dict entry_dict(const IntegratorEntry& entry) {
   py::dict properties;
   properties["friction"] = entry.properties.friction;
   properties["velocity_level"] = entry.properties.velocity_level;
+  properties["implicit"] = entry.properties.implicit;
   properties["order_free"] = entry.properties.order_free;
   properties["order_bilateral"] = entry.properties.order_bilateral;
   properties["order_sliding"] = entry.properties.order_sliding;
   properties["forces_at_rest"] = entry.properties.forces_at_rest;
   py::dict options;
-  for (const SchemeOption& option : entry.options) options[py::str(option.name)] = option.choices;
+  for (const SchemeOption& option : entry.options) {
+    py::dict about;
+    about["default"] = option.standard;
+    about["choices"] = option.choices;
+    about["meaning"] = option.meaning;
+    options[py::str(option.name)] = about;
+  }
   py::dict row;
   row["name"] = entry.name;
   row["summary"] = entry.summary;

@@ -63,7 +63,19 @@ bool Configuration::factorise() {
 
 void Configuration::solve_mass(Vec& x) const {
   for (std::size_t k = 0; k < layout_->systems.size(); ++k)
-    solve_mass(static_cast<int>(k), x.data() + layout_->systems[k].offset);
+    solve_block(static_cast<int>(k), x.data() + layout_->systems[k].offset);
+}
+
+void Configuration::multiply_mass(const Vec& x, Vec& y) const {
+  for (const auto& system : layout_->systems) {
+    const InMatrix M(mass_.data() + system.block, system.n, system.n);
+    y.segment(system.offset, system.n).noalias() = M * x.segment(system.offset, system.n);
+  }
+}
+
+InMatrix Configuration::mass(int system) const {
+  const auto& slot = layout_->systems[system];
+  return {mass_.data() + slot.block, slot.n, slot.n};
 }
 
 double Configuration::kinetic_energy(const Vec& v, bool only_varying) const {

@@ -7,9 +7,17 @@
 
 namespace saltus {
 
+/// The inverse of a matrix that is block diagonal over the systems: of M, or of an implicit scheme's matrix.
+class BlockInverse {
+ public:
+  virtual ~BlockInverse() = default;
+  /// x <- A⁻¹ x for one system, x (n of it)
+  virtual void solve_block(int system, double* x) const = 0;
+};
+
 /// Everything that depends on the position alone: gaps, M and its factor, Wᵀ. Gaps are evaluated by
 /// move_to(), M by factorise(), the Wᵀ of a contact when it is asked for; each once a position.
-class Configuration {
+class Configuration final : public BlockInverse {
  public:
   /// @throws std::invalid_argument if a constant M is not symmetric positive definite
   explicit Configuration(std::shared_ptr<const Layout> layout);
@@ -23,9 +31,13 @@ class Configuration {
   /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
   bool factorise();
   /// x <- M⁻¹ x for one system, x (n of it)
-  void solve_mass(int system, double* x) const { factor(system).solve(x); }
+  void solve_block(int system, double* x) const override { factor(system).solve(x); }
   /// x <- M⁻¹ x, x (n)
   void solve_mass(Vec& x) const;
+  /// y <- M x, both (n), after factorise()
+  void multiply_mass(const Vec& x, Vec& y) const;
+  /// M of one system (n, n of it), after factorise()
+  InMatrix mass(int system) const;
   /// ½ vᵀ M v [J], of all systems or of those whose M depends on q
   double kinetic_energy(const Vec& v, bool only_varying = false) const;
 

@@ -26,7 +26,7 @@ ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout)
 }
 
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
-                               Configuration& force) {
+                               Configuration& force, const BlockInverse& inverse) {
   active_ = active;
   problem_.sets.clear();
   for (int system : touched_) touching_[system].clear();
@@ -42,7 +42,7 @@ void ContactAssembly::assemble(const std::vector<int>& active, Configuration& co
     for (int side = 0; side < contact.sides; ++side) {
       const int system = contact.system[side];
       for (int i = 0; i < contact.rows; ++i)
-        force.solve_mass(system, X + static_cast<std::size_t>(i) * contact.n + column);
+        inverse.solve_block(system, X + static_cast<std::size_t>(i) * contact.n + column);
       if (touching_[system].empty()) touched_.push_back(system);
       touching_[system].push_back({static_cast<int>(index), row, column});
       column += layout_->systems[system].n;

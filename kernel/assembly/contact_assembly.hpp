@@ -15,8 +15,10 @@ class ContactAssembly {
   explicit ContactAssembly(std::shared_ptr<const Layout> layout);
 
   /// Chooses the contacts, in ascending order, and assembles G; b is left to the caller.
-  /// @param force  must be factorised
-  void assemble(const std::vector<int>& active, Configuration& constraint, Configuration& force);
+  /// @param force    whose W directs the forces
+  /// @param inverse  of M at the force's position, or of what takes its place
+  void assemble(const std::vector<int>& active, Configuration& constraint, Configuration& force,
+                const BlockInverse& inverse);
   const ContactProblem& problem() const { return problem_; }
 
   /// b <- W(q_c)ᵀ v of the active contacts

@@ -14,6 +14,7 @@ std::string_view to_string(StepStatus status) {
     case StepStatus::solver_failed:
       return "the contact solver found no impulses that satisfy the contact laws";
     case StepStatus::mass_not_positive_definite: return "the mass matrix is not positive definite";
+    case StepStatus::iteration_failed: return "the iteration for the velocities does not converge";
     case StepStatus::gap_not_finite: return "a gap is not finite";
     case StepStatus::not_finite: break;
   }

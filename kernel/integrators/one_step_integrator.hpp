@@ -28,6 +28,7 @@ enum class StepStatus {
   ok,
   solver_failed,               ///< no impulses that satisfy the laws were found
   mass_not_positive_definite,  ///< M(q) cannot be factorised
+  iteration_failed,            ///< Newton's iteration of an implicit scheme does not converge
   gap_not_finite,              ///< NaN or infinity in a gap: it can be neither open nor closed
   not_finite,                  ///< NaN or infinity in velocities: the motion diverges
 };

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
@@ -14,20 +15,23 @@ namespace saltus {
 struct SchemeProperties {
   bool friction = true;         ///< takes laws with friction
   bool velocity_level = true;   ///< holds Wᵀv of closed contacts; otherwise g̈, and g and Wᵀv drift
+  bool implicit = false;        ///< in the forces: stable for stiff ones; impulses act over the whole step
   int order_free = 1;           ///< in q and v, free flight
   int order_bilateral = 1;      ///< under bilateral constraints
   int order_sliding = 1;        ///< in persistent sliding contact with friction
   bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
 };
 
-/// One option of a scheme: a word out of some.
+using OptionValue = std::variant<double, std::string>;
+using Options = std::map<std::string, OptionValue>;
+
+/// One option of a scheme: a number, or a word out of some.
 struct SchemeOption {
   std::string name;
-  std::vector<std::string> choices;  ///< the first is the default
+  OptionValue standard;              ///< what it is if it is not given; its type is the option's
+  std::vector<std::string> choices;  ///< of a word
   std::string meaning;
 };
-
-using Options = std::map<std::string, std::string>;
 
 /// One line of the table of integrators. Tests, Python and the command line iterate it.
 struct IntegratorEntry {

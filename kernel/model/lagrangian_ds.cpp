@@ -15,6 +15,8 @@ LagrangianDS::LagrangianDS(Vec q0, Vec v0) : q0_(std::move(q0)), v0_(std::move(v
   if (!v0_.allFinite()) throw std::invalid_argument("v0 must be finite, got NaN or infinity");
 }
 
+bool LagrangianDS::force_jacobians(double, const In&, const In&, OutMatrix, OutMatrix) const { return false; }
+
 double LagrangianDS::potential_energy(const In&) const { return std::numeric_limits<double>::quiet_NaN(); }
 
 }  // namespace saltus

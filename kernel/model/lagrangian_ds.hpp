@@ -25,6 +25,11 @@ class LagrangianDS {
   virtual void forces(double t, const In& q, const In& v, Out h) const = 0;
   /// True if M does not depend on q: it is then evaluated and factorised once.
   virtual bool constant_mass() const { return false; }
+  /// ∂h/∂q and ∂h/∂v for implicit schemes, (n, n) each, starting as zero.
+  /// @return false if they are not defined: finite differences take their place
+  virtual bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const;
+  /// True if M, ∂h/∂q and ∂h/∂v are constant: implicit schemes then factorise once.
+  virtual bool time_invariant() const { return false; }
   /// Potential energy of the forces in h [J], NaN if unknown. Only reported, never integrated.
   virtual double potential_energy(const In& q) const;
 

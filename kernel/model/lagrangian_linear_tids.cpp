@@ -28,6 +28,13 @@ void LagrangianLinearTIDS::forces(double, const In& q, const In& v, Out h) const
   if (terms_.damping) h.noalias() -= *terms_.damping * v;
 }
 
+bool LagrangianLinearTIDS::force_jacobians(double, const In&, const In&, OutMatrix dh_dq,
+                                           OutMatrix dh_dv) const {
+  if (terms_.stiffness) dh_dq = -*terms_.stiffness;
+  if (terms_.damping) dh_dv = -*terms_.damping;
+  return true;
+}
+
 double LagrangianLinearTIDS::potential_energy(const In& q) const {
   double energy = 0.0;
   if (terms_.external_force) energy -= terms_.external_force->dot(q);

@@ -25,6 +25,9 @@ class LagrangianLinearTIDS final : public LagrangianDS {
   void mass(const In& q, OutMatrix M) const override;
   void forces(double t, const In& q, const In& v, Out h) const override;
   bool constant_mass() const override { return true; }
+  /// −K and −C
+  bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const override;
+  bool time_invariant() const override { return true; }
   /// ½ qᵀKq − fᵀq
   double potential_energy(const In& q) const override;
 

@@ -26,6 +26,8 @@ class Relation {
   virtual void curvature(const In& q, const In& v, Out c) const;
   /// Is curvature() implemented?
   virtual bool has_curvature() const { return false; }
+  /// True if Wᵀ does not depend on q: implicit schemes then need not iterate for it.
+  virtual bool constant_jacobian() const { return false; }
 
  private:
   int size_;
@@ -44,6 +46,7 @@ class LagrangianLinearTIR final : public Relation {
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;
   bool has_curvature() const override { return true; }
+  bool constant_jacobian() const override { return true; }
 
  private:
   Matrix H_;

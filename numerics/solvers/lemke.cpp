@@ -46,8 +46,10 @@ void Lemke::eliminate_equalities(const ContactProblem& problem) {
   if (free_.empty()) return;
   const Matrix free = G(free_, free_);
   const Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(free);
-  elimination_ = -decomposition.solve(G(free_, rest_));
   particular_ = -decomposition.solve(b(free_));
+  elimination_.resize(free.rows(), G_.rows());
+  if (rest_.empty()) return;
+  elimination_ = -decomposition.solve(G(free_, rest_));
   G_ += G(rest_, free_) * elimination_;
   b_ += G(rest_, free_) * particular_;
 }

@@ -32,7 +32,7 @@ from saltus.io import Layout, Provenance, Trajectory
 from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
 
 if TYPE_CHECKING:
-    from saltus.typing import FloatArray
+    from saltus.typing import FloatArray, OptionEntry
 
 __all__ = [
     "Box",
@@ -60,16 +60,24 @@ __all__ = [
 
 
 class IntegratorFactory:
-    """Makes an integrator of the registry; its options are keywords."""
+    """Makes an integrator of the registry; its options are keywords, or stand in the order listed."""
 
-    def __init__(self, name: str, summary: str, options: dict[str, list[str]]) -> None:
+    def __init__(self, name: str, summary: str, options: dict[str, OptionEntry]) -> None:
         self.name = name
-        choices = [f"{key}: one of {', '.join(words)}" for key, words in options.items()]
-        self.__doc__ = f"{summary}\n\nOptions\n-------\n" + ("\n".join(choices) or "none")
+        self._options = tuple(options)
+        lines = [f"{key} = {about['default']!r}: {about['meaning']}" for key, about in options.items()]
+        self.__doc__ = f"{summary}\n\nOptions\n-------\n" + ("\n".join(lines) or "none")
 
-    def __call__(self, **options: str) -> OneStepIntegrator:
+    def __call__(self, *values: float | str, **options: float | str) -> OneStepIntegrator:
         """Make the integrator. Raises ValueError if there is no such option or choice."""
-        return _core.make_integrator(self.name, options)
+        if len(values) > len(self._options):
+            raise TypeError(f"{self.name} takes {len(self._options)} options, got {len(values)}")
+        given = dict(zip(self._options, values, strict=False))
+        for key, value in options.items():
+            if key in given:
+                raise TypeError(f"{self.name}: {key} is given twice")
+            given[key] = value
+        return _core.make_integrator(self.name, given)
 
     def __repr__(self) -> str:
         return f"<integrator {self.name}>"

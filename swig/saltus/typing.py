@@ -10,10 +10,18 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
+class OptionEntry(TypedDict):
+    """An option of an integrator: a number, or a word out of its choices."""
+
+    default: float | str
+    choices: list[str]
+    meaning: str
+
+
 class IntegratorEntry(TypedDict):
     """A row of the table of integrators."""
 
     name: str
     summary: str
-    options: dict[str, list[str]]
+    options: dict[str, OptionEntry]
     properties: dict[str, Any]

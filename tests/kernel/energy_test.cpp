@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "slider_crank/slider_crank.hpp"
@@ -29,6 +30,15 @@ double unexplained(const std::vector<Row>& rows) {
   return rows.back().report.kinetic_energy - rows.front().report.kinetic_energy - work;
 }
 
+// Errors that fall with this order, or that are rounding: an implicit scheme's balance is an identity.
+testing::AssertionResult vanishes(const std::vector<double>& dt, const std::vector<double>& errors,
+                                  int order) {
+  if (*std::max_element(errors.begin(), errors.end()) < 1e-11) return testing::AssertionSuccess();
+  const double measured = slope(dt, errors);
+  return (measured >= order - 0.2 ? testing::AssertionSuccess() : testing::AssertionFailure())
+         << "order " << measured << ", finest error " << errors.back();
+}
+
 // With a variable mass dT/dt = vᵀh + ½ vᵀṀv: h holds the gyroscopic forces, the second term must be there
 // too.
 TEST_P(Energy, WorksExplainTheKineticEnergyUpToTheOrderOfTheScheme) {
@@ -42,9 +52,9 @@ TEST_P(Energy, WorksExplainTheKineticEnergyUpToTheOrderOfTheScheme) {
     variable_mass.push_back(std::abs(unexplained(rows_of_run(make_double_pendulum(), *scheme, h / 2, 0.3))));
     bilateral.push_back(std::abs(unexplained(rows_of_run(make_pendulum(), *scheme, h, 0.5))));
   }
-  EXPECT_GE(slope(dt, damped), properties.order_free - 0.2);
-  EXPECT_GE(slope(dt, variable_mass), properties.order_free - 0.2);
-  EXPECT_GE(slope(dt, bilateral), properties.order_bilateral - 0.2);
+  EXPECT_TRUE(vanishes(dt, damped, properties.order_free));
+  EXPECT_TRUE(vanishes(dt, variable_mass, properties.order_free));
+  EXPECT_TRUE(vanishes(dt, bilateral, properties.order_bilateral));
 }
 
 class EnergyOfFriction : public Energy {};
@@ -55,7 +65,7 @@ TEST_P(EnergyOfFriction, WorksExplainTheKineticEnergyInSliding) {
   for (double h : dt)
     sliding.push_back(
         std::abs(unexplained(rows_of_run(make_bowl(0.3), *make_integrator(GetParam()), h, 0.25))));
-  EXPECT_GE(slope(dt, sliding), scheme_entry(GetParam()).properties.order_sliding - 0.2);
+  EXPECT_TRUE(vanishes(dt, sliding, scheme_entry(GetParam()).properties.order_sliding));
 }
 
 TEST_P(Energy, KineticEnergyIsThatOfTheState) {
@@ -66,7 +76,9 @@ TEST_P(Energy, KineticEnergyIsThatOfTheState) {
     EXPECT_NEAR(row.report.kinetic_energy, kinetic(*crank, row.state.q, row.state.v), 1e-12);
 }
 
-TEST_P(Energy, TheImpulsesWorkIsExactlyTheJumpOfTheKineticEnergy) {
+class EnergyOfImpulses : public Energy {};
+
+TEST_P(EnergyOfImpulses, TheirWorkIsExactlyTheJumpOfTheKineticEnergy) {
   // v⁻ = v⁺ - M⁻¹WΛ at q_i, rebuilt from the model itself.
   const examples::SliderCrankParameters p;
   const examples::SliderCrank crank(Vec::Zero(3), Vec::Zero(3), p);
@@ -94,6 +106,8 @@ TEST_P(Energy, TheImpulsesWorkIsExactlyTheJumpOfTheKineticEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, Energy, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfImpulses, testing::ValuesIn(explicit_schemes()),
                          [](const auto& test) { return test.param; });
 INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfFriction, testing::ValuesIn(frictional_schemes()),
                          [](const auto& test) { return test.param; });

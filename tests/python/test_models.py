@@ -282,6 +282,18 @@ def test_integrators_are_attributes_of_the_module():
         sk.NoSuchOSI  # noqa: B018
 
 
+def test_options_are_keywords_or_stand_in_order():
+    by_name = sk.TimeStepping(ball(), sk.MoreauJeanOSI(theta=1), 1e-2).run(1.0)
+    in_order = sk.TimeStepping(ball(), sk.MoreauJeanOSI(1.0), 1e-2).run(1.0)
+    half = sk.TimeStepping(ball(), "MoreauJeanOSI", 1e-2).run(1.0)
+    np.testing.assert_array_equal(by_name.q, in_order.q)
+    assert np.abs(by_name.q - half.q).max() > 1e-3
+    with pytest.raises(TypeError, match="takes 1 options, got 2"):
+        sk.MoreauJeanOSI(0.5, 1.0)
+    with pytest.raises(TypeError, match="theta is given twice"):
+        sk.MoreauJeanOSI(0.5, theta=1.0)
+
+
 def test_shapes_follow_the_run(tmp_path):
     mass = sk.LagrangianLinearTIDS([0.0, 1.0], [1.0, 0.0], np.eye(2))
     mass.add_shape(sk.Disc(0.1), pose=lambda q: (q[0], q[1], 0.0))

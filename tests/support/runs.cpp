@@ -102,6 +102,13 @@ std::vector<std::string> frictional_schemes() {
   return names;
 }
 
+std::vector<std::string> explicit_schemes() {
+  std::vector<std::string> names;
+  for (const IntegratorEntry& entry : integrators())
+    if (!entry.properties.implicit) names.push_back(entry.name);
+  return names;
+}
+
 const IntegratorEntry& scheme_entry(const std::string& name) {
   for (const IntegratorEntry& entry : integrators())
     if (entry.name == name) return entry;

@@ -47,6 +47,8 @@ bool same_bits(const Vec& a, const Vec& b);
 std::vector<std::string> scheme_names();
 /// Those of them that take friction.
 std::vector<std::string> frictional_schemes();
+/// Those that are not implicit in the forces.
+std::vector<std::string> explicit_schemes();
 const IntegratorEntry& scheme_entry(const std::string& name);
 /// Does the scheme keep Wᵀv of bilateral constraints at zero? On acceleration level only g̈ is kept.
 bool keeps_velocity_constraints(const std::string& name);

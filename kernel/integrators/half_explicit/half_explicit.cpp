@@ -145,7 +145,7 @@ void HalfExplicit::constrain_velocity(int l, double dt) {
       constraint.move_without_gaps(q_);
   }
   choose_closed(l > s_ ? at(l) : activity_ == Activity::predicted ? constraint : at(0));
-  contacts_->assembly().assemble(active_, constraint, at(l - 1));
+  contacts_->assembly().assemble(active_, constraint, at(l - 1), at(l - 1));
   contacts_->assembly().set_b(constraint, stages_[l].v);
 }
 
@@ -153,7 +153,7 @@ void HalfExplicit::constrain_velocity(int l, double dt) {
 void HalfExplicit::constrain_acceleration(int l, double dt) {
   const Stage& stage = stages_[l - 1];
   choose_staying(at(l - 1), stage, dt);
-  contacts_->assembly().assemble(active_, at(l - 1), at(l - 1));
+  contacts_->assembly().assemble(active_, at(l - 1), at(l - 1), at(l - 1));
   contacts_->assembly().set_b_of_acceleration(at(l - 1), stage.v, stage.acceleration,
                                               dt * tableau_.Av(l - 1, l - 1));
 }
@@ -193,7 +193,7 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
 
   choose_closed(end);
   ContactAssembly& assembly = contacts_->assembly();
-  assembly.assemble(active_, end, end);
+  assembly.assemble(active_, end, end, end);
   assembly.set_b(end, v);
   assembly.scatter(assembly.problem().b, 1.0, gamma_);  // γ⁻
   assembly.add_restitution(gamma_);                     // (59)

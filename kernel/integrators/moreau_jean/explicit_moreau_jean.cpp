@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "saltus/kernel/integrators/moreau_jean/activity.hpp"
+
 namespace saltus {
 
 void ExplicitMoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
@@ -29,7 +31,7 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
     report.status = StepStatus::not_finite;
     return report;
   }
-  predict_active(dt);
+  predict_active(*layout_, start, gamma_before_, dt, active_);
 
   q_ = state.q + dt * state.v;  // (29)
   end.move_to(q_);
@@ -50,21 +52,11 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
   return report;
 }
 
-// (33): contacts that half a step of free motion would close
-void ExplicitMoreauJean::predict_active(double dt) {
-  active_.clear();
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
-    const auto& contact = layout_->contacts[k];
-    const double gap = configurations_[0].gaps()[contact.gap];
-    if (contact.law->bilateral || gap + 0.5 * dt * gamma_before_[contact.row] <= 0.0) active_.push_back(k);
-  }
-}
-
 // Λ from (31)-(32) and v⁺ from (30)
 bool ExplicitMoreauJean::contact_impulses(const Reactions& reactions, StepReport& report) {
   Configuration& end = configurations_[1];
   ContactAssembly& assembly = contacts_->assembly();
-  assembly.assemble(active_, end, end);
+  assembly.assemble(active_, end, end, end);
   assembly.set_b(end, v_);
   assembly.scatter(assembly.problem().b, 1.0, gamma_free_);
   assembly.add_restitution(gamma_before_);

@@ -15,7 +15,6 @@ class ExplicitMoreauJean final : public OneStepIntegrator {
   std::unique_ptr<OneStepIntegrator> clone() const override { return std::make_unique<ExplicitMoreauJean>(); }
 
  private:
-  void predict_active(double dt);
   bool contact_impulses(const Reactions& reactions, StepReport& report);
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
 
