@@ -40,9 +40,10 @@ std::string join(const std::vector<std::string>& words) {
 // A value of the option's type: a word among its choices, or a number.
 OptionValue checked(const std::string& scheme, const SchemeOption& option, const OptionValue& value) {
   if (value.index() != option.standard.index())
-    throw std::invalid_argument(
-        scheme + ": " + option.name +
-        (option.choices.empty() ? " must be a number" : " must be one of " + join(option.choices)));
+    throw std::invalid_argument(scheme + ": " + option.name +
+                                (option.choices.empty()
+                                     ? " must be a number, got a word"
+                                     : " must be one of " + join(option.choices) + ", got a number"));
   const auto* word = std::get_if<std::string>(&value);
   if (word && std::find(option.choices.begin(), option.choices.end(), *word) == option.choices.end())
     throw std::invalid_argument(scheme + ": " + option.name + " must be one of " + join(option.choices) +
