@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "saltus/numerics/text.hpp"
+
 namespace saltus {
 
 void validate(const ContactProblem& problem) {
@@ -21,7 +23,7 @@ void validate(const ContactProblem& problem) {
                                     std::to_string(law->dim));
       if (!(law->mu >= 0.0) || !std::isfinite(law->mu))
         throw std::invalid_argument("contact problem: Coulomb mu must be finite and >= 0, got " +
-                                    std::to_string(law->mu));
+                                    number(law->mu));
     }
     needed += rows_of(set);
   }

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "saltus/numerics/text.hpp"
+
 namespace saltus {
 
 NonSmoothDynamicalSystem::NonSmoothDynamicalSystem(Systems systems, double t0)
     : systems_(std::move(systems)), t0_(t0) {
   if (systems_.empty()) throw std::invalid_argument("at least one dynamical system is needed, got none");
-  if (!std::isfinite(t0)) throw std::invalid_argument("t0 must be finite, got " + std::to_string(t0));
+  if (!std::isfinite(t0)) throw std::invalid_argument("t0 must be finite, got " + number(t0));
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     if (!systems_[i]) throw std::invalid_argument("dynamical system " + std::to_string(i) + " is null");
     if (!index_.emplace(systems_[i].get(), static_cast<int>(i)).second)

@@ -4,13 +4,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "saltus/numerics/text.hpp"
+
 namespace saltus {
 namespace {
 
 double require_restitution(double e, const char* name) {
   if (!(e >= 0.0 && e <= 1.0))
-    throw std::invalid_argument(std::string("restitution ") + name + " must be in [0, 1], got " +
-                                std::to_string(e));
+    throw std::invalid_argument(std::string("restitution ") + name + " must be in [0, 1], got " + number(e));
   return e;
 }
 
@@ -23,7 +24,7 @@ NewtonImpactNSL::NewtonImpactNSL(double e) {
 
 NewtonImpactFrictionNSL::NewtonImpactFrictionNSL(double en, double et, double mu, int dim) {
   if (!(mu >= 0.0) || !std::isfinite(mu))
-    throw std::invalid_argument("friction coefficient mu must be finite and >= 0, got " + std::to_string(mu));
+    throw std::invalid_argument("friction coefficient mu must be finite and >= 0, got " + number(mu));
   if (dim != 2 && dim != 3)
     throw std::invalid_argument("dim must be 2 (plane) or 3 (space), got " + std::to_string(dim));
   sets = {Coulomb{mu, dim}};

@@ -1,11 +1,11 @@
 #include "saltus/kernel/model/requirements.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
 #include "saltus/numerics/linear/spd_factor.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 namespace {
@@ -16,12 +16,6 @@ constexpr double symmetry_tolerance = 1e-9;
 constexpr double singular = 1e-14;
 // Eigenvalues take n³ operations many times over: above this size Cholesky's word is enough.
 constexpr int few = 64;
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 // Masses and inertias have different units: only their ratios after scaling tell whether M is singular.
 bool positive_definite(const Matrix& M) {

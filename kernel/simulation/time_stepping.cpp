@@ -7,6 +7,7 @@
 
 #include "saltus/kernel/model/requirements.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 namespace {
@@ -15,12 +16,6 @@ constexpr double until_tolerance = 1e-12;
 constexpr double until_tolerance_in_steps = 1e-3;
 constexpr long longest_interval = 512;   // between two calls of progress
 constexpr double longest_silence = 0.1;  // [s]
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 std::string describe(double time, long step, const std::vector<std::string>& contacts,
                      const StepReport& report) {
@@ -37,7 +32,7 @@ std::string describe(double time, long step, const std::vector<std::string>& con
 
 double require_time_step(double dt, double t0) {
   if (!(dt > 0.0) || !std::isfinite(dt))
-    throw std::invalid_argument("time_step must be positive and finite, got " + std::to_string(dt));
+    throw std::invalid_argument("time_step must be positive and finite, got " + number(dt));
   if (t0 + dt == t0)
     throw std::invalid_argument("time_step must change t0 = " + number(t0) + ", got " + number(dt));
   return dt;
@@ -129,8 +124,7 @@ void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
 }
 
 void TimeStepping::run(double until) {
-  if (!std::isfinite(until))
-    throw std::invalid_argument("until must be finite, got " + std::to_string(until));
+  if (!std::isfinite(until)) throw std::invalid_argument("until must be finite, got " + number(until));
   const double last = until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * dt_);
   long interval = 1;  // in steps; follows what they cost
   auto shown = std::chrono::steady_clock::now();

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "saltus/numerics/text.hpp"
+
 namespace saltus {
 namespace {
 
@@ -9,8 +11,8 @@ void require_acceleration_level(const std::string& scheme, const NonSmoothDynami
   for (const auto& link : model.links()) {
     for (const ContactSet& set : link.interaction->law().sets)
       if (const auto* law = std::get_if<Coulomb>(&set); law && law->mu > 0.0)
-        throw std::invalid_argument(scheme + " takes no friction, got mu = " + std::to_string(law->mu) +
-                                    " in '" + link.name + "'");
+        throw std::invalid_argument(scheme + " takes no friction, got mu = " + number(law->mu) + " in '" +
+                                    link.name + "'");
     if (!link.interaction->relation().has_curvature())
       throw std::invalid_argument(scheme + " needs the curvature of every relation, '" + link.name +
                                   "' does not define it");

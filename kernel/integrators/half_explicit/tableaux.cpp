@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/half_explicit/tableau.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 
@@ -31,14 +32,12 @@ void validate(const Tableau& t) {
     const std::string row = "row " + std::to_string(l);
     const double time = l < n ? t.c[l] : 1.0;
     for (const Matrix* A : {&t.Ac, &t.Av, &t.Aq}) {
-      if (!(std::abs(A->row(l - 1).sum() - time) < 1e-12))
-        refuse(row + " must sum up to " + std::to_string(time));
+      if (!(std::abs(A->row(l - 1).sum() - time) < 1e-12)) refuse(row + " must sum up to " + number(time));
       const int known = A == &t.Aq ? l + 1 : l;  // stages that a row may use: q_l may use v_l
       if (known < n && A->row(l - 1).tail(n - known).any()) refuse(row + " uses a stage that comes after it");
     }
     const double multiplier = t.Av(l - 1, l - 1);
-    if (!(multiplier > 0.0))
-      refuse("a_{l,l-1} must be positive in " + row + ", got " + std::to_string(multiplier));
+    if (!(multiplier > 0.0)) refuse("a_{l,l-1} must be positive in " + row + ", got " + number(multiplier));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/moreau_jean/activity.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 namespace {
@@ -16,7 +17,7 @@ constexpr double newton_tolerance = 1e-12;
 
 MoreauJean::MoreauJean(double theta) : theta_(theta) {
   if (!(theta >= 0.0 && theta <= 1.0))
-    throw std::invalid_argument("theta must be in [0, 1], got " + std::to_string(theta));
+    throw std::invalid_argument("theta must be in [0, 1], got " + number(theta));
 }
 
 void MoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
