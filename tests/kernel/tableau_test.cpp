@@ -100,7 +100,7 @@ TEST(Tableau, RefusesWhatCannotWork) {
   refused([](auto& t) { t.Aq = Matrix::Zero(1, 2); }, {"(2, 2)", "got (1, 2)"});
   // b_s <= 0: the last multiplier's sign would be turned round, or it would not act at all
   refused([](auto& t) { t.Av.row(1) << 1.5, -0.5; }, {"positive", "row 2", "-0.5"});
-  refused([](auto& t) { t.Av.row(1) << 1.0, 0.0; }, {"positive", "row 2", "0.0"});
+  refused([](auto& t) { t.Av.row(1) << 1.0, 0.0; }, {"positive", "row 2", "got 0"});
   // a_{1,0} < 0 with c = (0, -1)
   refused(
       [](auto& t) {
