@@ -99,6 +99,9 @@ bool PyLagrangianDS::find(CachedMethod& method) const {
 }
 
 void PyLagrangianDS::mass(const In& q, OutMatrix M) const {
+  if (constant_mass_ && find(mass_))
+    throw std::invalid_argument(mass_.full_name() +
+                                " is defined and a constant mass= is given: one of them must go");
   if (constant_mass_) {
     M = *constant_mass_;
     return;

@@ -125,6 +125,11 @@ def test_what_a_python_model_must_define():
         one(Empty([0.0], [0.0], mass=[[1.0]]))
 
 
+def test_a_mass_is_given_in_one_way():
+    with pytest.raises(ValueError, match="Pendulum.mass is defined and a constant mass= is given"):
+        one(Pendulum([0.0], [0.0], mass=[[1.0]]))
+
+
 def test_python_models_that_are_wrong_at_the_start():
     class Returns(Pendulum):
         def forces(self, t, q, v, out):
