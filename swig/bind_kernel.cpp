@@ -275,7 +275,8 @@ void bind_integrators(py::module_& module) {
 
 void bind_simulation(py::module_& module) {
   py::class_<StepReport>(module, "StepReport", "What one step says about itself.")
-      .def_readonly("impulsive", &StepReport::impulsive, "the impact law was applied")
+      .def_readonly("impulsive", &StepReport::impulsive,
+                    "the impact law was applied; Moreau-Jean: an impulse acted")
       .def_readonly("closed", &StepReport::closed, "closed contacts at the end of the step")
       .def_readonly("solver_iterations", &StepReport::solver_iterations)
       .def_readonly("residual", &StepReport::residual, "largest certificate of the step [m/s]")

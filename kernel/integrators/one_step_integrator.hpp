@@ -39,7 +39,7 @@ std::string_view to_string(StepStatus status);
 /// What one step says about itself.
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  bool impulsive = false;       ///< the impact law was applied
+  bool impulsive = false;       ///< the impact law was applied; Moreau-Jean: an impulse acted
   int closed = 0;               ///< closed contacts at the end of the step, bilateral ones included
   int solver_iterations = 0;    ///< over all contact problems of the step
   double residual = 0.0;        ///< largest certificate of the step [m/s]

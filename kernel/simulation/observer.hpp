@@ -20,11 +20,7 @@ class Observer {
  public:
   virtual ~Observer() = default;
   /// Is this row of interest? Gaps and velocities are evaluated only then.
-  virtual bool wants(long number, const StepReport& report) const {
-    (void)number;
-    (void)report;
-    return true;
-  }
+  virtual bool wants(long /*step*/, const StepReport& /*report*/) const { return true; }
   virtual void observe(const StepView& view) = 0;
 };
 

@@ -16,6 +16,7 @@ void Lemke::reserve(int rows) {
 
 SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
   eliminate_equalities(problem);
+  choose_unknowns(problem);
   fill(problem);
   const LcpOutcome outcome = lcp_.solve(z_.data());
   read(problem, P);
@@ -54,33 +55,35 @@ void Lemke::eliminate_equalities(const ContactProblem& problem) {
   b_ += G(rest_, free_) * particular_;
 }
 
-void Lemke::fill(const ContactProblem& problem) {
+// P of the contacts = T z
+void Lemke::choose_unknowns(const ContactProblem& problem) {
   int size = 0;
   for (const ContactSet& set : problem.sets)
     if (!std::holds_alternative<Equality>(set)) size += std::holds_alternative<Coulomb>(set) ? 3 : 1;
   lcp_.resize(size);
   z_.resize(size);
+  T_.setZero(G_.rows(), size);
+  int row = 0, at = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<Equality>(set)) continue;
+    T_(row++, at) = 1.0;
+    if (const auto* law = std::get_if<Coulomb>(&set)) {
+      T_(row, at) = -law->mu;  // P_T = σ⁺ − μ P_N
+      T_(row++, at + 1) = 1.0;
+      at += 2;
+    }
+    ++at;
+  }
+}
+
+// Rows of w = M z + q
+void Lemke::fill(const ContactProblem& problem) {
   auto M = lcp_.M().view();
   auto q = lcp_.q().view();
   M.setZero();
   q.setZero();
-  // Columns first: P = T z, then the rows of xi = G P + b that the law takes
-  Matrix T = Matrix::Zero(G_.rows(), size);
+  const Matrix xi = G_ * T_;
   int row = 0, at = 0;
-  for (const ContactSet& set : problem.sets) {
-    if (std::holds_alternative<Equality>(set)) continue;
-    T(row, at) = 1.0;
-    if (const auto* law = std::get_if<Coulomb>(&set)) {
-      T(row + 1, at) = -law->mu;  // P_T = σ⁺ − μ P_N
-      T(row + 1, at + 1) = 1.0;
-      at += 2;
-      ++row;
-    }
-    ++row;
-    ++at;
-  }
-  const Matrix xi = G_ * T;
-  row = at = 0;
   for (const ContactSet& set : problem.sets) {
     if (std::holds_alternative<Equality>(set)) continue;
     M.row(at) = xi.row(row);
@@ -97,17 +100,7 @@ void Lemke::fill(const ContactProblem& problem) {
 }
 
 void Lemke::read(const ContactProblem& problem, double* P) {
-  Vec rest(G_.rows());
-  int row = 0, at = 0;
-  for (const ContactSet& set : problem.sets) {
-    if (std::holds_alternative<Equality>(set)) continue;
-    rest[row++] = z_[at];
-    if (const auto* law = std::get_if<Coulomb>(&set)) {
-      rest[row++] = z_[at + 1] - law->mu * z_[at];
-      at += 2;
-    }
-    ++at;
-  }
+  const Vec rest = T_ * z_.view();
   Out all(P, problem.rows());
   all(rest_) = rest;
   if (!free_.empty()) all(free_) = particular_ + elimination_ * rest;

@@ -22,6 +22,7 @@ class Lemke final : public ContactSolver {
 
  private:
   void eliminate_equalities(const ContactProblem& problem);
+  void choose_unknowns(const ContactProblem& problem);
   void fill(const ContactProblem& problem);
   void read(const ContactProblem& problem, double* P);
 
@@ -31,6 +32,7 @@ class Lemke final : public ContactSolver {
   Vec particular_;
   Matrix G_;  // (rest, rest) after elimination
   Vec b_;
+  Matrix T_;  // (rest, unknowns): P_rest = T z
   PoolVec z_, xi_;
 };
 

@@ -45,12 +45,15 @@ SolveReport SemismoothNewton::solve(const ContactProblem& problem, double* P) {
   for (;; ++report.iterations) {
     report.certificate = certify(problem, P, xi_.data());
     if (report.certificate.within(default_tolerance)) return report;
-    report.status = SolveStatus::iteration_limit;
-    if (report.iterations == most_iterations) return report;
+    if (report.iterations == most_iterations) {
+      report.status = SolveStatus::iteration_limit;
+      return report;
+    }
     read_modes(problem, P, next_);
-    report.status = SolveStatus::breakdown;
-    if (next_ == active_.modes()) return report;  // the equations of these modes have no better P
-    report.status = SolveStatus::solved;
+    if (next_ == active_.modes()) {  // the equations of these modes have no better P
+      report.status = SolveStatus::breakdown;
+      return report;
+    }
     active_.modes().swap(next_);
     active_.solve(problem, P);
   }

@@ -183,7 +183,7 @@ class Trajectory:
 
     @property
     def impulsive(self) -> BoolArray:
-        """Was the impact law applied in the step? (rows,)."""
+        """Was the impact law applied in the step, under Moreau-Jean: did an impulse act? (rows,)."""
         column: BoolArray = self.columns()["impulsive"]
         return column
 

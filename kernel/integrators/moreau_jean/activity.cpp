@@ -2,14 +2,16 @@
 
 namespace saltus {
 
-void predict_active(const Layout& layout, const Configuration& start, const Vec& gamma, double dt,
+bool predict_active(const Layout& layout, Configuration& start, const Vec& v, double dt, Vec& gamma,
                     std::vector<int>& active) {
   active.clear();
   for (int k = 0; k < static_cast<int>(layout.contacts.size()); ++k) {
     const auto& contact = layout.contacts[k];
+    start.relative_velocity(k, v, gamma.data() + contact.row);
     const double prediction = start.gaps()[contact.gap] + 0.5 * dt * gamma[contact.row];
     if (contact.law->bilateral || prediction <= 0.0) active.push_back(k);
   }
+  return gamma.allFinite();
 }
 
 }  // namespace saltus

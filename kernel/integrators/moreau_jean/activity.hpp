@@ -7,9 +7,11 @@ namespace saltus {
 
 /// The contacts of a Moreau-Jean step: bilateral ones, and those that half a step of free motion would
 /// close, g + ½ Δt γ_N <= 0 (33).
-/// @param gamma        (rows of all contacts) Wᵀv at the start [m/s]
+/// @param v            (n) at the start
+/// @param[out] gamma   (rows of all contacts) Wᵀv at the start [m/s]
 /// @param[out] active  in ascending order
-void predict_active(const Layout& layout, const Configuration& start, const Vec& gamma, double dt,
+/// @return false if a relative velocity is not finite: it would count as open
+bool predict_active(const Layout& layout, Configuration& start, const Vec& v, double dt, Vec& gamma,
                     std::vector<int>& active);
 
 }  // namespace saltus

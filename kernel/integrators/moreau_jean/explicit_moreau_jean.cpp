@@ -25,13 +25,10 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
     report.status = StepStatus::mass_not_positive_definite;
     return report;
   }
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    start.relative_velocity(k, state.v, gamma_before_.data() + layout_->contacts[k].row);
-  if (!gamma_before_.allFinite()) {  // a NaN would count as open
+  if (!predict_active(*layout_, start, state.v, dt, gamma_before_, active_)) {
     report.status = StepStatus::not_finite;
     return report;
   }
-  predict_active(*layout_, start, gamma_before_, dt, active_);
 
   q_ = state.q + dt * state.v;  // (29)
   end.move_to(q_);

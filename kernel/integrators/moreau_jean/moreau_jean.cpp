@@ -62,14 +62,11 @@ bool MoreauJean::begin(double dt, const State& state, StepReport& report) {
     report.status = StepStatus::mass_not_positive_definite;
     return false;
   }
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    start.relative_velocity(k, state.v, gamma_before_.data() + layout_->contacts[k].row);
   evaluate_forces(*layout_, state.t, state.q, state.v, h_);
-  if (!gamma_before_.allFinite() || !h_.allFinite()) {  // a NaN would count as open
+  if (!predict_active(*layout_, start, state.v, dt, gamma_before_, active_) || !h_.allFinite()) {
     report.status = StepStatus::not_finite;
     return false;
   }
-  predict_active(*layout_, start, gamma_before_, dt, active_);
   v_ = state.v;
   size_ = v_.cwiseAbs().maxCoeff();
   return true;
