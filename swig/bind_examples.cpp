@@ -1,4 +1,7 @@
+#include <pybind11/stl.h>
+
 #include "bindings.hpp"
+#include "slider_crank/bare_loop.hpp"
 #include "slider_crank/slider_crank.hpp"
 
 namespace saltus::python {
@@ -33,6 +36,15 @@ void bind_examples(py::module_& module) {
   py::classh<SliderGuide, Relation>(module, "CompiledSliderGuide", py::is_final(),
                                     "The slider on a straight guide, y = 0 and θ3 = 0, in C++.")
       .def(py::init<const SliderCrankParameters&>(), py::arg("parameters"));
+  module.def(
+      "bare_slider_crank",
+      [](double time_step, long steps) {
+        BareSliderCrank crank;
+        crank.run(time_step, steps);
+        return std::make_pair(to_array(crank.q()), to_array(crank.v()));
+      },
+      py::arg("time_step"), py::arg("steps"),
+      "q and v of the frictional slider crank after some steps of a loop that is written by hand for it.");
 }
 
 }  // namespace saltus::python

@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "functions.hpp"
 #include "python_models.hpp"
-#include "saltus/kernel/integrators/registry.hpp"
 #include "saltus/kernel/model/check.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 #include "saltus/kernel/model/requirements.hpp"
@@ -36,6 +36,33 @@ const Class& initialised(const py::object& self) {
   return self.cast<const Class&>();
 }
 
+std::unique_ptr<PyLagrangianDS> make_lagrangian_ds(const ArrayLike& q0, const ArrayLike& v0,
+                                                   const py::object& mass, const py::object& forces,
+                                                   const py::object& potential_energy,
+                                                   const py::object& force_jacobians,
+                                                   const ArrayLike& parameters) {
+  Vec values = to_vec(parameters, "parameters");
+  FunctionDS::Functions functions{
+      .forces = to_model_function(forces, "forces", 0, values),
+      .force_jacobians = to_model_function(force_jacobians, "force_jacobians", 0, values),
+      .potential_energy = to_model_function(potential_energy, "potential_energy", 0, values)};
+  if (is_function(mass))
+    functions.mass = to_model_function(mass, "mass", 0, values);
+  else if (!mass.is_none())
+    functions.constant_mass = to_matrix(mass, "mass");
+  return std::make_unique<PyLagrangianDS>(to_vec(q0, "q0"), to_vec(v0, "v0"), std::move(functions),
+                                          std::move(values));
+}
+
+std::unique_ptr<PyRelation> make_relation(int size, const py::object& gap, const py::object& jacobian,
+                                          const py::object& curvature, const ArrayLike& parameters) {
+  Vec values = to_vec(parameters, "parameters");
+  FunctionRelation::Functions functions{to_model_function(gap, "gap", size, values),
+                                        to_model_function(jacobian, "jacobian", size, values),
+                                        to_model_function(curvature, "curvature", size, values)};
+  return std::make_unique<PyRelation>(size, std::move(functions), std::move(values));
+}
+
 void bind_systems(py::module_& module) {
   py::classh<LagrangianDS, PyLagrangianDS>(
       module, "LagrangianDS", py::dynamic_attr(),
@@ -44,26 +71,29 @@ void bind_systems(py::module_& module) {
     def mass(self, q, out): ...            # out (n, n): M(q), unless a constant mass is given
     def forces(self, t, q, v, out): ...    # out (n,): h(t, q, v), external forces included
     def potential_energy(self, q): ...     # optional, [J]: only reported
+    def force_jacobians(self, t, q, v, out): ...   # optional, out (2, n, n): ∂h/∂q, ∂h/∂v, for implicit schemes
 
 `out` is zero at the call; q and v are read-only and reused: copy what you want to keep.
+
+Each of them can be a function instead, which costs tens of nanoseconds where a method costs hundreds: what
+`saltus.compiled` makes, "library:function", or a C pointer, see `saltus.functions`. A class that gives all it needs
+as functions need not be derived from.
 
 Parameters
 ----------
 q0, v0 : (n,) initial position and velocity
-mass : (n, n), optional constant mass
+mass : (n, n) constant mass, or a function
+forces, potential_energy, force_jacobians : functions
+parameters : handed on to the functions
 
 Raises
 ------
 ValueError
-    If shapes disagree or a value is not finite.
+    If shapes disagree, a value is not finite, or something is given as a function and as a method.
 )")
-      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const std::optional<ArrayLike>& mass) {
-             Vec q = to_vec(q0, "q0");
-             std::optional<Matrix> M = optional_matrix(mass, "mass");
-             if (M) require_mass(*M, static_cast<int>(q.size()), "mass");
-             return std::make_unique<PyLagrangianDS>(std::move(q), to_vec(v0, "v0"), std::move(M));
-           }),
-           py::arg("q0"), py::arg("v0"), py::arg("mass") = py::none())
+      .def(py::init(&make_lagrangian_ds), py::arg("q0"), py::arg("v0"), py::arg("mass") = py::none(),
+           py::kw_only(), py::arg("forces") = py::none(), py::arg("potential_energy") = py::none(),
+           py::arg("force_jacobians") = py::none(), py::arg("parameters") = py::tuple())
       .def(
           "add_shape",
           [](py::object self, py::object shape, py::object pose) {
@@ -119,16 +149,22 @@ void bind_relations(py::module_& module) {
 `out` is zero at the call; q and v are read-only and reused: copy what you want to keep. For an
 interaction between two systems q is [q1; q2].
 
+Each of them can be a function instead, as in LagrangianDS.
+
 Parameters
 ----------
 size : number of rows
+gap, jacobian, curvature : functions
+parameters : handed on to the functions
 
 Raises
 ------
 ValueError
     If size < 1.
 )")
-      .def(py::init<int>(), py::arg("size"))
+      .def(py::init(&make_relation), py::arg("size"), py::kw_only(), py::arg("gap") = py::none(),
+           py::arg("jacobian") = py::none(), py::arg("curvature") = py::none(),
+           py::arg("parameters") = py::tuple())
       .def_property_readonly("size", [](py::object self) { return initialised<Relation>(self).size(); });
   py::classh<LagrangianLinearTIR, Relation>(module, "LagrangianLinearTIR", py::is_final(),
                                             R"(Linear relation: gap (H q + b) in the normal rows, Wᵀ = H.
@@ -228,63 +264,7 @@ void bind_model(py::module_& module) {
       });
 }
 
-py::dict entry_dict(const IntegratorEntry& entry) {
-  py::dict properties;
-  properties["friction"] = entry.properties.friction;
-  properties["velocity_level"] = entry.properties.velocity_level;
-  properties["implicit"] = entry.properties.implicit;
-  properties["order_free"] = entry.properties.order_free;
-  properties["order_bilateral"] = entry.properties.order_bilateral;
-  properties["order_sliding"] = entry.properties.order_sliding;
-  properties["forces_at_rest"] = entry.properties.forces_at_rest;
-  py::dict options;
-  for (const SchemeOption& option : entry.options) {
-    py::dict about;
-    about["default"] = option.standard;
-    about["choices"] = option.choices;
-    about["meaning"] = option.meaning;
-    options[py::str(option.name)] = about;
-  }
-  py::dict row;
-  row["name"] = entry.name;
-  row["summary"] = entry.summary;
-  row["options"] = options;
-  row["properties"] = properties;
-  return row;
-}
-
-void bind_integrators(py::module_& module) {
-  py::classh<OneStepIntegrator>(module, "OneStepIntegrator",
-                                "A one-step scheme with its options; simulations take copies of it.")
-      .def_property_readonly("name", &OneStepIntegrator::name)
-      .def("__repr__", [](const OneStepIntegrator& self) { return "<" + self.name() + ">"; });
-  module.def(
-      "make_integrator",
-      [](const std::string& name, const Options& options) { return make_integrator(name, options); },
-      py::arg("name"), py::arg("options") = Options{},
-      "An integrator by its name in integrators().\n\nRaises ValueError naming those that there are.");
-  module.def(
-      "integrators",
-      [] {
-        py::list table;
-        for (const IntegratorEntry& entry : integrators()) table.append(entry_dict(entry));
-        return table;
-      },
-      "The registered integrators: name, summary, options and what holds for each.");
-}
-
 void bind_simulation(py::module_& module) {
-  py::class_<StepReport>(module, "StepReport", "What one step says about itself.")
-      .def_readonly("impulsive", &StepReport::impulsive,
-                    "the impact law was applied; Moreau-Jean: an impulse acted")
-      .def_readonly("closed", &StepReport::closed, "closed contacts at the end of the step")
-      .def_readonly("solver_iterations", &StepReport::solver_iterations)
-      .def_readonly("residual", &StepReport::residual, "largest certificate of the step [m/s]")
-      .def_readonly("penetration", &StepReport::penetration, "[m]")
-      .def_readonly("kinetic_energy", &StepReport::kinetic_energy, "at the end [J]")
-      .def_readonly("work_forces", &StepReport::work_forces, "of h and of the change of M over the step [J]")
-      .def_readonly("work_lambda", &StepReport::work_lambda, "of λ⁺ and λ⁻ over the step [J]")
-      .def_readonly("work_impulse", &StepReport::work_impulse, "of Λ [J]");
   py::classh<Observer>(module, "Observer", "Looks at the steps of a run.");
   py::classh<TimeStepping>(module, "TimeSteppingBase")
       .def(py::init([](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& integrator,
@@ -344,7 +324,6 @@ void bind_kernel(py::module_& module) {
   bind_relations(module);
   bind_laws(module);
   bind_model(module);
-  bind_integrators(module);
   bind_simulation(module);
   bind_error(module);
 }

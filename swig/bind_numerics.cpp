@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "bindings.hpp"
+#include "python_integrators.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 
 namespace saltus::python {
@@ -71,6 +72,28 @@ void bind_numerics(py::module_& module) {
         return "ContactSolution(status='" + s.status + "', solver='" + s.solver +
                "', residual=" + std::string(py::str(py::float_(s.residual))) + ")";
       });
+  py::classh<ContactSolver, PyContactSolver>(module, "ContactSolver", py::dynamic_attr(),
+                                             R"(A contact solver. To write one, derive from it and define
+
+    def solve(self, G, b, sets, P): ...    # write the impulses into P (rows,), which comes in as warm start
+    def accepts(self, sets): ...           # optional: can it take these contact sets?
+
+`solve` may return its number of iterations. Whether the problem is solved is not its word: the certificate is computed
+from P.
+)")
+      .def(py::init<>())
+      .def_property_readonly("name", [](const ContactSolver& self) { return std::string(self.name()); })
+      .def(
+          "accepts", [](const ContactSolver&, const std::vector<ContactSet>&) { return true; },
+          py::arg("sets"));
+  module.def("load_contact_solver", &load_contact_solver);
+  module.def("register_solver_class", [](const std::string& name, const std::string& summary,
+                                         const py::function& make) {
+    PyObject* const factory = py::function(make).release().ptr();  // lives as long as the process
+    register_contact_solver({name, summary, [factory] {
+                               return py::cast<std::unique_ptr<ContactSolver>>(py::handle(factory)());
+                             }});
+  });
   module.def("solve", &solve, py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("solver") = "auto",
              py::arg("warm_start") = py::none(),
              R"(Find P such that xi = G P + b and every contact's law holds between xi and P.

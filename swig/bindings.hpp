@@ -13,6 +13,7 @@ namespace py = pybind11;
 
 void bind_numerics(py::module_& module);
 void bind_kernel(py::module_& module);
+void bind_integrators(py::module_& module);
 void bind_io(py::module_& module);
 void bind_examples(py::module_& module);
 
@@ -22,6 +23,8 @@ using ArrayLike = py::object;
 /// @throws std::invalid_argument naming `what` unless it is an array of real numbers, none of them masked,
 ///         with one axis
 Vec to_vec(const ArrayLike& values, const std::string& what);
+/// The same with `size` entries.
+Vec to_sized_vec(const ArrayLike& values, const std::string& what, Eigen::Index size);
 /// The same with two axes.
 Matrix to_matrix(const ArrayLike& values, const std::string& what);
 /// @throws py::type_error if the object's __init__ has not been called: there is no C++ object then

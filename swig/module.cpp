@@ -47,6 +47,14 @@ Vec to_vec(const ArrayLike& values, const std::string& what) {
   return Eigen::Map<const Vec>(array.data(), array.shape(0));
 }
 
+Vec to_sized_vec(const ArrayLike& values, const std::string& what, Eigen::Index size) {
+  Vec x = to_vec(values, what);
+  if (x.size() != size)
+    throw std::invalid_argument(what + " must have " + std::to_string(size) + " entries, got " +
+                                std::to_string(x.size()));
+  return x;
+}
+
 Matrix to_matrix(const ArrayLike& values, const std::string& what) {
   const auto array = to_numbers(values, what);
   if (array.ndim() != 2)
@@ -62,6 +70,7 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ side of Saltus.";
   module.attr("__version__") = SALTUS_VERSION;
   saltus::python::bind_numerics(module);
+  saltus::python::bind_integrators(module);
   saltus::python::bind_kernel(module);
   saltus::python::bind_io(module);
   saltus::python::bind_examples(module);

@@ -5,11 +5,6 @@
 namespace saltus::python {
 namespace {
 
-template <class Class>
-PyObject* python_self(const Class* object) {
-  return py::detail::get_object_handle(object, py::detail::get_type_info(typeid(Class))).ptr();
-}
-
 py::ssize_t product(const std::vector<py::ssize_t>& shape) {
   py::ssize_t size = 1;
   for (py::ssize_t extent : shape) size *= extent;
@@ -46,15 +41,12 @@ std::unique_ptr<CallArrays> ArrayPool::take(py::ssize_t n, const std::vector<py:
   return std::make_unique<CallArrays>(n, out);
 }
 
-bool CachedMethod::find(PyObject* self, py::handle base) {
-  if (!searched_) {
-    searched_ = true;
-    self_ = self;
-    const py::object type = py::type::of(py::handle(self));
-    const py::object found = py::getattr(type, name_, py::none());
-    if (!found.is_none() && !found.is(py::getattr(base, name_, py::none()))) function_ = found;
-  }
-  return static_cast<bool>(function_);
+void CachedMethod::search(PyObject* self, py::handle base) {
+  searched_ = true;
+  self_ = self;
+  const py::object type = py::type::of(py::handle(self));
+  const py::object found = py::getattr(type, name_, py::none());
+  if (!found.is_none() && !found.is(py::getattr(base, name_, py::none()))) function_ = found;
 }
 
 py::object CachedMethod::call(std::initializer_list<PyObject*> arguments) {
@@ -85,38 +77,53 @@ void CachedMethod::fill(const double* t, const In& q, const double* v, double* o
 
 std::string CachedMethod::full_name() const { return std::string(Py_TYPE(self_)->tp_name) + "." + name_; }
 
+void CachedMethod::forbid(bool found) const {
+  if (found)
+    throw std::invalid_argument(full_name() + " is defined and " + name_ +
+                                "= is given to the base class: one of them must go");
+}
+
 void CachedMethod::missing(const char* signature) const {
   const std::string message = std::string(Py_TYPE(self_)->tp_name) + " must define " + signature;
   PyErr_SetString(PyExc_NotImplementedError, message.c_str());
   throw py::error_already_set();
 }
 
-PyLagrangianDS::PyLagrangianDS(Vec q0, Vec v0, std::optional<Matrix> mass)
-    : LagrangianDS(std::move(q0), std::move(v0)), constant_mass_(std::move(mass)) {}
-
-bool PyLagrangianDS::find(CachedMethod& method) const {
-  return method.find(python_self<LagrangianDS>(this), py::type::of<LagrangianDS>());
-}
-
 void PyLagrangianDS::mass(const In& q, OutMatrix M) const {
-  if (constant_mass_ && find(mass_))
-    throw std::invalid_argument(mass_.full_name() +
-                                " is defined and a constant mass= is given: one of them must go");
-  if (constant_mass_) {
-    M = *constant_mass_;
-    return;
+  const bool given = functions().mass || functions().constant_mass;
+  if (given) {
+    mass_.forbid(find(mass_));
+    return FunctionDS::mass(q, M);
   }
-  if (!find(mass_)) mass_.missing("mass(self, q, out), or give LagrangianDS a constant mass=");
+  if (!find(mass_)) mass_.missing("mass(self, q, out), or give LagrangianDS mass=");
   mass_.fill(nullptr, q, nullptr, M.data(), {M.rows(), M.cols()});
 }
 
 void PyLagrangianDS::forces(double t, const In& q, const In& v, Out h) const {
-  if (!find(forces_)) forces_.missing("forces(self, t, q, v, out)");
+  if (functions().forces) {
+    forces_.forbid(find(forces_));
+    return FunctionDS::forces(t, q, v, h);
+  }
+  if (!find(forces_)) forces_.missing("forces(self, t, q, v, out), or give LagrangianDS forces=");
   forces_.fill(&t, q, v.data(), h.data(), {h.size()});
 }
 
+bool PyLagrangianDS::force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq,
+                                     OutMatrix dh_dv) const {
+  if (functions().force_jacobians) {
+    force_jacobians_.forbid(find(force_jacobians_));
+    return FunctionDS::force_jacobians(t, q, v, dh_dq, dh_dv);
+  }
+  if (!find(force_jacobians_)) return false;
+  std::vector<double> both(2 * dh_dq.size());
+  force_jacobians_.fill(&t, q, v.data(), both.data(), {2, dh_dq.rows(), dh_dq.cols()});
+  std::copy_n(both.data(), dh_dq.size(), dh_dq.data());
+  std::copy_n(both.data() + dh_dq.size(), dh_dv.size(), dh_dv.data());
+  return true;
+}
+
 double PyLagrangianDS::potential_energy(const In& q) const {
-  if (!find(potential_energy_)) return LagrangianDS::potential_energy(q);
+  if (functions().potential_energy || !find(potential_energy_)) return FunctionDS::potential_energy(q);
   CachedArray position({q.size()}, false);
   position.set(q.data());
   const py::object energy = potential_energy_.call({position.object()});
@@ -129,24 +136,32 @@ double PyLagrangianDS::potential_energy(const In& q) const {
   return value;
 }
 
-bool PyRelation::find(CachedMethod& method) const {
-  return method.find(python_self<Relation>(this), py::type::of<Relation>());
-}
-
 void PyRelation::gap(const In& q, Out g) const {
-  if (!find(gap_)) gap_.missing("gap(self, q, out)");
+  if (functions().gap) {
+    gap_.forbid(find(gap_));
+    return FunctionRelation::gap(q, g);
+  }
+  if (!find(gap_)) gap_.missing("gap(self, q, out), or give the relation gap=");
   gap_.fill(nullptr, q, nullptr, g.data(), {g.size()});
 }
 
 void PyRelation::jacobian(const In& q, OutMatrix J) const {
-  if (!find(jacobian_)) jacobian_.missing("jacobian(self, q, out)");
+  if (functions().jacobian) {
+    jacobian_.forbid(find(jacobian_));
+    return FunctionRelation::jacobian(q, J);
+  }
+  if (!find(jacobian_)) jacobian_.missing("jacobian(self, q, out), or give the relation jacobian=");
   jacobian_.fill(nullptr, q, nullptr, J.data(), {J.rows(), J.cols()});
 }
 
-bool PyRelation::has_curvature() const { return find(curvature_); }
+bool PyRelation::has_curvature() const { return functions().curvature || find(curvature_); }
 
 void PyRelation::curvature(const In& q, const In& v, Out c) const {
-  if (!has_curvature()) curvature_.missing("curvature(self, q, v, out)");
+  if (functions().curvature) {
+    curvature_.forbid(find(curvature_));
+    return FunctionRelation::curvature(q, v, c);
+  }
+  if (!find(curvature_)) curvature_.missing("curvature(self, q, v, out)");
   curvature_.fill(nullptr, q, v.data(), c.data(), {c.size()});
 }
 

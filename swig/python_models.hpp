@@ -3,12 +3,10 @@
 #include <pybind11/trampoline_self_life_support.h>
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "bindings.hpp"
-#include "saltus/kernel/model/lagrangian_ds.hpp"
-#include "saltus/kernel/model/relation.hpp"
+#include "saltus/kernel/model/function_models.hpp"
 
 namespace saltus::python {
 
@@ -55,22 +53,32 @@ class ArrayPool {
 class CachedMethod {
  public:
   explicit CachedMethod(const char* name) : name_(name) {}
-  /// @param self  of the Python object, borrowed: it outlives the C++ object
-  /// @param base  the class whose own attribute does not count as an implementation
+  /// Looks the method up; only the first call does.
+  /// @tparam Class  bound class of the C++ object, whose own attribute does not count as an implementation
   /// @return false if the object's class does not implement the method
-  bool find(PyObject* self, py::handle base);
+  template <class Class>
+  bool find(const Class* object) {
+    if (!searched_)  // the Python object outlives the C++ one, so that self is borrowed
+      search(py::detail::get_object_handle(object, py::detail::get_type_info(typeid(Class))).ptr(),
+             py::type::of<Class>());
+    return static_cast<bool>(function_);
+  }
   /// Calls method(self, arguments...). @throws py::error_already_set
   py::object call(std::initializer_list<PyObject*> arguments);
   /// Calls method(self, [t,] q, [v,] out) for a method that writes into `out` and returns None.
   /// @param t, v  nullptr: not among its arguments
   /// @throws py::type_error if something else is returned, py::error_already_set
   void fill(const double* t, const In& q, const double* v, double* out, std::vector<py::ssize_t> shape);
+  /// @throws std::invalid_argument if the class implements what was also given to its base class
+  void forbid(bool found) const;
   /// "Class.method" for messages
   std::string full_name() const;
   /// @throws py::error_already_set with NotImplementedError, saying what the class must define
   [[noreturn]] void missing(const char* signature) const;
 
  private:
+  void search(PyObject* self, py::handle base);
+
   const char* name_;
   PyObject* self_ = nullptr;
   py::object function_;
@@ -78,31 +86,35 @@ class CachedMethod {
   ArrayPool pool_;
 };
 
-class PyLagrangianDS final : public LagrangianDS, public py::trampoline_self_life_support {
+/// Functions where they are given, else the methods of a Python class.
+class PyLagrangianDS final : public FunctionDS, public py::trampoline_self_life_support {
  public:
-  PyLagrangianDS(Vec q0, Vec v0, std::optional<Matrix> mass);
+  PyLagrangianDS(Vec q0, Vec v0, Functions functions, Vec parameters)
+      : FunctionDS(Incomplete{}, std::move(q0), std::move(v0), std::move(functions), std::move(parameters)) {}
   void mass(const In& q, OutMatrix M) const override;
   void forces(double t, const In& q, const In& v, Out h) const override;
-  bool constant_mass() const override { return constant_mass_.has_value(); }
+  bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const override;
   double potential_energy(const In& q) const override;
 
  private:
-  bool find(CachedMethod& method) const;
+  bool find(CachedMethod& method) const { return method.find<LagrangianDS>(this); }
 
-  std::optional<Matrix> constant_mass_;
-  mutable CachedMethod mass_{"mass"}, forces_{"forces"}, potential_energy_{"potential_energy"};
+  mutable CachedMethod mass_{"mass"}, forces_{"forces"}, force_jacobians_{"force_jacobians"},
+      potential_energy_{"potential_energy"};
 };
 
-class PyRelation final : public Relation, public py::trampoline_self_life_support {
+/// Functions where they are given, else the methods of a Python class.
+class PyRelation final : public FunctionRelation, public py::trampoline_self_life_support {
  public:
-  explicit PyRelation(int size) : Relation(size) {}
+  PyRelation(int size, Functions functions, Vec parameters)
+      : FunctionRelation(Incomplete{}, size, std::move(functions), std::move(parameters)) {}
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;
   bool has_curvature() const override;
 
  private:
-  bool find(CachedMethod& method) const;
+  bool find(CachedMethod& method) const { return method.find<Relation>(this); }
 
   mutable CachedMethod gap_{"gap"}, jacobian_{"jacobian"}, curvature_{"curvature"};
 };

@@ -36,8 +36,9 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
 
 void Configuration::move_without_gaps(const Vec& q) {
   q_ = q;
-  factorised_ = false;
-  std::fill(has_jacobian_.begin(), has_jacobian_.end(), 0);
+  factorised_ = !layout_->varying_mass;
+  for (std::size_t k = 0; k < has_jacobian_.size(); ++k)
+    has_jacobian_[k] = has_jacobian_[k] && layout_->contacts[k].constant_jacobian;
 }
 
 void Configuration::move_to(const Vec& q) {
@@ -63,7 +64,7 @@ bool Configuration::factorise() {
 
 void Configuration::solve_mass(Vec& x) const {
   for (std::size_t k = 0; k < layout_->systems.size(); ++k)
-    solve_block(static_cast<int>(k), x.data() + layout_->systems[k].offset);
+    factor(static_cast<int>(k)).solve(x.data() + layout_->systems[k].offset);
 }
 
 void Configuration::multiply_mass(const Vec& x, Vec& y) const {
@@ -93,11 +94,6 @@ double Configuration::kinetic_energy(const Vec& v, bool only_varying) const {
   return 0.5 * twice;
 }
 
-bool Configuration::closed(int contact) const {
-  const auto& slot = layout_->contacts[contact];
-  return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
-}
-
 bool Configuration::finite(int contact) const {
   const auto& slot = layout_->contacts[contact];
   return gaps_.segment(slot.gap, slot.gaps).allFinite();
@@ -110,15 +106,12 @@ double Configuration::penetration() const {
   return deepest;
 }
 
-const double* Configuration::jacobian(int contact) {
+void Configuration::evaluate_jacobian(int contact) {
   const auto& slot = layout_->contacts[contact];
   double* J = jacobians_.data() + slot.jacobian;
-  if (!has_jacobian_[contact]) {
-    std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
-    slot.relation->jacobian(local(slot, q_, local_q_), {J, slot.rows, slot.n});
-    has_jacobian_[contact] = 1;
-  }
-  return J;
+  std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
+  slot.relation->jacobian(local(slot, q_, local_q_), {J, slot.rows, slot.n});
+  has_jacobian_[contact] = 1;
 }
 
 void Configuration::relative_velocity(int contact, const Vec& v, double* gamma) {
@@ -165,6 +158,7 @@ In Configuration::local(const Layout::Contact& contact, const Vec& x, Vec& both)
 
 double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,
                     const Vec& v_end) {
+  if (!start.has_varying_mass()) return 0.0;
   auto change = [&](const Vec& v) { return end.kinetic_energy(v, true) - start.kinetic_energy(v, true); };
   return 0.5 * (change(v_start) + change(v_end));
 }

@@ -38,13 +38,18 @@ class Configuration final : public BlockInverse {
   void multiply_mass(const Vec& x, Vec& y) const;
   /// M of one system (n, n of it), after factorise()
   InMatrix mass(int system) const;
+  /// Does M of some system depend on q?
+  bool has_varying_mass() const { return layout_->varying_mass; }
   /// ½ vᵀ M v [J], of all systems or of those whose M depends on q
   double kinetic_energy(const Vec& v, bool only_varying = false) const;
 
   /// Gaps of all contacts (gaps) [m]
   const Vec& gaps() const { return gaps_; }
   /// Is the contact closed, g <= 0 (18)? Judged by position only, without tolerance.
-  bool closed(int contact) const;
+  bool closed(int contact) const {
+    const auto& slot = layout_->contacts[contact];
+    return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
+  }
   /// Are the contact's gaps finite? A NaN would count as open.
   bool finite(int contact) const;
   bool finite() const { return gaps_.allFinite(); }
@@ -52,7 +57,10 @@ class Configuration final : public BlockInverse {
   double penetration() const;
 
   /// Wᵀ(q) of one contact, (rows, n of it), row by row
-  const double* jacobian(int contact);
+  const double* jacobian(int contact) {
+    if (!has_jacobian_[contact]) evaluate_jacobian(contact);
+    return jacobians_.data() + layout_->contacts[contact].jacobian;
+  }
   /// γ = Wᵀ v of one contact. @param[out] gamma (rows) [m/s]
   void relative_velocity(int contact, const Vec& v, double* gamma);
   /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
@@ -64,6 +72,7 @@ class Configuration final : public BlockInverse {
  private:
   /// The part of x (n) that belongs to the contact's systems; gathered into `both` if there are two.
   In local(const Layout::Contact& contact, const Vec& x, Vec& both) const;
+  void evaluate_jacobian(int contact);
   const SpdFactor& factor(int system) const {
     return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
   }

@@ -34,7 +34,7 @@ void ContactAssembly::assemble(const std::vector<int>& active, Configuration& co
   int row = 0;
   for (std::size_t index = 0; index < active_.size(); ++index) {
     const auto& contact = layout_->contacts[active_[index]];
-    problem_.sets.insert(problem_.sets.end(), contact.law->sets.begin(), contact.law->sets.end());
+    for (const ContactSet& set : contact.law->sets) problem_.sets.push_back(set);
     const double* W = force.jacobian(active_[index]);
     double* X = minv_w_.data() + contact.jacobian;
     std::copy_n(W, static_cast<std::size_t>(contact.rows) * contact.n, X);

@@ -8,6 +8,7 @@ Layout::Layout(const NonSmoothDynamicalSystem& model) {
   for (const auto& system : model.systems()) {
     const int size = system->dimension();
     systems.push_back({system.get(), n, size, mass_entries, system->constant_mass()});
+    varying_mass = varying_mass || !system->constant_mass();
     n += size;
     mass_entries += static_cast<std::size_t>(size) * size;
   }
@@ -21,6 +22,8 @@ Layout::Layout(const NonSmoothDynamicalSystem& model) {
     for (int side = 0; side < contact.sides; ++side) contact.n += systems[contact.system[side]].n;
     contact.row = rows;
     contact.rows = contact.law->size();
+    contact.constant_jacobian = contact.relation->constant_jacobian();
+    varying_jacobian = varying_jacobian || !contact.constant_jacobian;
     contact.gap = gaps;
     contact.gaps = contact.law->gaps;
     contact.jacobian = jacobian_entries;

@@ -22,6 +22,7 @@ struct Layout {
     int n;          ///< freedoms of these together
     int row;        ///< of its velocities and forces among all rows
     int rows;
+    bool constant_jacobian;
     int gap;  ///< of its gaps among all gaps
     int gaps;
     std::size_t jacobian;  ///< of its Wᵀ (rows, n), row by row, among all
@@ -34,8 +35,10 @@ struct Layout {
   int n = 0;     ///< freedoms
   int rows = 0;  ///< rows of all contacts
   int gaps = 0;
-  int largest_contact = 0;  ///< largest n of a contact
-  int most_rows = 0;        ///< largest number of rows of a contact
+  int largest_contact = 0;        ///< largest n of a contact
+  int most_rows = 0;              ///< largest number of rows of a contact
+  bool varying_mass = false;      ///< of some system
+  bool varying_jacobian = false;  ///< of some contact
   std::size_t mass_entries = 0;
   std::size_t jacobian_entries = 0;
 };

@@ -6,6 +6,7 @@
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 #include "saltus/kernel/integrators/moreau_jean/explicit_moreau_jean.hpp"
 #include "saltus/kernel/integrators/moreau_jean/moreau_jean.hpp"
+#include "saltus/numerics/registry.hpp"
 
 namespace saltus {
 namespace {
@@ -68,48 +69,55 @@ Options complete(const IntegratorEntry& entry, const Options& given) {
   return all;
 }
 
-}  // namespace
-
-const std::vector<IntegratorEntry>& integrators() {
-  static const std::vector<IntegratorEntry> table = {
-      {.name = "ExplicitMoreauJeanOSI",
-       .summary = "classic explicit Moreau-Jean scheme (29)-(33), every contact force an impulse",
-       .options = {},
-       .properties = {},
-       .make = [](const Options&) { return std::make_unique<ExplicitMoreauJean>(); }},
-      {.name = "DMinusAccelerationOSI",
-       .summary = "forecasting trapezoidal rule on acceleration level (43)-(60), without friction; drifts",
-       .options = {},
-       .properties = {.friction = false,
-                      .velocity_level = false,
-                      .order_free = 2,
-                      .order_bilateral = 2,
-                      .forces_at_rest = true},
-       .make = make_acceleration},
-      {.name = "MoreauJeanOSI",
-       .summary = "Moreau-Jean scheme with the theta rule: implicit, every contact force an impulse",
-       .options = {theta_option},
-       .properties = {.implicit = true, .order_free = 2},
-       .make =
-           [](const Options& options) {
-             return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")));
-           }},
-      {.name = "HalfExplicitTrapezoidalOSI",
-       .summary = "forecasting trapezoidal rule on velocity level (62)-(72), forces and impulses told apart",
-       .options = {activity_option},
-       .properties = {.order_free = 2, .order_bilateral = 2, .order_sliding = 2, .forces_at_rest = true},
-       .make = make_trapezoidal},
-  };
-  return table;
+Registry<IntegratorEntry>& table() {
+  // Never destroyed: entries may belong to an interpreter that ends before this library does.
+  static auto& registry = *new Registry<IntegratorEntry>(
+      "integrator", "saltus_integrator_",
+      {
+          {.name = "ExplicitMoreauJeanOSI",
+           .summary = "classic explicit Moreau-Jean scheme (29)-(33), every contact force an impulse",
+           .options = {},
+           .properties = {},
+           .make = [](const Options&) { return std::make_unique<ExplicitMoreauJean>(); }},
+          {.name = "DMinusAccelerationOSI",
+           .summary =
+               "forecasting trapezoidal rule on acceleration level (43)-(60), without friction; drifts",
+           .options = {},
+           .properties = {.friction = false,
+                          .velocity_level = false,
+                          .order_free = 2,
+                          .order_bilateral = 2,
+                          .forces_at_rest = true},
+           .make = make_acceleration},
+          {.name = "MoreauJeanOSI",
+           .summary = "Moreau-Jean scheme with the theta rule: implicit, every contact force an impulse",
+           .options = {theta_option},
+           .properties = {.implicit = true, .order_free = 2},
+           .make =
+               [](const Options& options) {
+                 return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")));
+               }},
+          {.name = "HalfExplicitTrapezoidalOSI",
+           .summary =
+               "forecasting trapezoidal rule on velocity level (62)-(72), forces and impulses told apart",
+           .options = {activity_option},
+           .properties = {.order_free = 2, .order_bilateral = 2, .order_sliding = 2, .forces_at_rest = true},
+           .make = make_trapezoidal},
+      });
+  return registry;
 }
 
+}  // namespace
+
+const std::vector<IntegratorEntry>& integrators() { return table().entries(); }
+
+void register_integrator(IntegratorEntry entry) { table().add(std::move(entry)); }
+
+std::string load_integrator(const std::string& library_and_class) { return table().load(library_and_class); }
+
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options) {
-  std::vector<std::string> known;
-  for (const IntegratorEntry& entry : integrators()) {
-    if (entry.name == name) return entry.make(complete(entry, options));
-    known.push_back(entry.name);
-  }
-  throw std::invalid_argument("no integrator named '" + std::string(name) + "', there are " + join(known));
+  const IntegratorEntry& entry = table().find(name);
+  return entry.make(complete(entry, options));
 }
 
 }  // namespace saltus

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
+#include "saltus/numerics/plugin.hpp"
 
 namespace saltus {
 
@@ -44,7 +45,30 @@ struct IntegratorEntry {
 
 const std::vector<IntegratorEntry>& integrators();
 
+/// Adds a line to the table, for the rest of the program; not while another thread uses the table.
+/// @throws std::invalid_argument if it has no name, a name with ':' or one that is taken
+void register_integrator(IntegratorEntry entry);
+
+/// Adds the line of a class that a shared library exports with SALTUS_INTEGRATOR.
+/// @param library_and_class  "library:Class", see load_symbol()
+/// @return the name in the table; loading a plugin again changes nothing
+/// @throws std::invalid_argument as load_symbol() and register_integrator()
+std::string load_integrator(const std::string& library_and_class);
+
+/// @param name  in the table, or "library:Class" of a plugin, which is loaded then
 /// @throws std::invalid_argument if there is no such integrator, option or choice, naming those there are
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options = {});
 
 }  // namespace saltus
+
+/// In a plugin, exports an integrator as "library:Class". What follows the class is its line of the table,
+/// without name and make, which come from the class: it needs a default constructor and its name().
+#define SALTUS_INTEGRATOR(Class, ...)                                                             \
+  static saltus::IntegratorEntry saltus_entry_of_##Class() {                                      \
+    saltus::IntegratorEntry entry{__VA_ARGS__};                                                   \
+    entry.name = Class().name();                                                                  \
+    entry.make = [](const saltus::Options&) { return std::make_unique<Class>(); };                \
+    return entry;                                                                                 \
+  }                                                                                               \
+  extern "C" __attribute__((visibility("default"))) const saltus::Plugin<saltus::IntegratorEntry> \
+      saltus_integrator_##Class = {SALTUS_PLUGIN_ABI, saltus_entry_of_##Class}

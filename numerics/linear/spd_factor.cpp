@@ -38,7 +38,10 @@ bool SpdFactor::factorise(const InMatrix& M) {
     L = Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>(M.data(), n_, n_);
     Eigen::LLT<Eigen::Ref<Square<N>>> in_place(L);
     double product = 1.0;  // LLT lets a NaN pass: the comparison with zero is false for it
-    for (int i = 0; i < n_; ++i) product *= L(i, i) > 0.0 && std::isfinite(L(i, i)) ? 1.0 : 0.0;
+    for (int i = 0; i < n_; ++i) {
+      product *= L(i, i) > 0.0 && std::isfinite(L(i, i)) ? 1.0 : 0.0;
+      L(i, i) = 1.0 / L(i, i);
+    }
     return in_place.info() == Eigen::Success && product > 0.0;
   });
 }
@@ -56,16 +59,20 @@ bool SpdFactor::factorise_constant(const InMatrix& M) {
   return positive;
 }
 
-void SpdFactor::solve(double* x) const {
-  if (diagonal_) {
-    for (int i = 0; i < n_; ++i) x[i] *= values_[i];
-    return;
-  }
+// L y = x, then Lᵀ x = y
+void SpdFactor::substitute(double* x) const {
   with_size(n_, [&]<int N>() {
-    Eigen::Map<const Square<N>> L(values_.data(), n_, n_);
-    Eigen::Map<Eigen::Matrix<double, N, 1>> y(x, n_);
-    L.template triangularView<Eigen::Lower>().solveInPlace(y);
-    L.transpose().template triangularView<Eigen::Upper>().solveInPlace(y);
+    const int n = N == Eigen::Dynamic ? n_ : N;
+    const double* column = values_.data();
+    for (int j = 0; j < n; ++j, column += n) {
+      x[j] *= column[j];
+      for (int i = j + 1; i < n; ++i) x[i] -= column[i] * x[j];
+    }
+    for (int j = n - 1; j >= 0; --j) {
+      column -= n;
+      for (int i = j + 1; i < n; ++i) x[j] -= column[i] * x[i];
+      x[j] *= column[j];
+    }
   });
 }
 

@@ -14,12 +14,19 @@ class SpdFactor {
   /// Stores only the diagonal of a matrix that has no other entries; otherwise as factorise().
   bool factorise_constant(const InMatrix& M);
   /// x <- M⁻¹ x, x (n)
-  void solve(double* x) const;
+  void solve(double* x) const {
+    if (diagonal_)
+      for (int i = 0; i < n_; ++i) x[i] *= values_[i];
+    else
+      substitute(x);
+  }
 
  private:
+  void substitute(double* x) const;
+
   int n_ = 0;
   bool diagonal_ = false;
-  std::vector<double> values_;  // L column by column, or the inverse of the diagonal
+  std::vector<double> values_;  // L column by column with inverted diagonal, or the inverse of the diagonal
 };
 
 }  // namespace saltus

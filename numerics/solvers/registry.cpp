@@ -1,7 +1,6 @@
 #include "saltus/numerics/solvers/registry.hpp"
 
-#include <stdexcept>
-
+#include "saltus/numerics/registry.hpp"
 #include "saltus/numerics/solvers/automatic.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
 
@@ -13,27 +12,33 @@ std::unique_ptr<ContactSolver> make() {
   return std::make_unique<Solver>();
 }
 
+Registry<SolverEntry>& table() {
+  // Never destroyed: entries may belong to an interpreter that ends before this library does.
+  static auto& registry = *new Registry<SolverEntry>(
+      "contact solver", "saltus_contact_solver_",
+      {
+          {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on",
+           make<Automatic>},
+          {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
+          {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
+          {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
+          {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
+      });
+  return registry;
+}
+
 }  // namespace
 
-const std::vector<SolverEntry>& contact_solvers() {
-  static const std::vector<SolverEntry> table = {
-      {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on",
-       make<Automatic>},
-      {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
-      {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
-      {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
-      {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
-  };
-  return table;
+const std::vector<SolverEntry>& contact_solvers() { return table().entries(); }
+
+void register_contact_solver(SolverEntry entry) { table().add(std::move(entry)); }
+
+std::string load_contact_solver(const std::string& library_and_class) {
+  return table().load(library_and_class);
 }
 
 std::unique_ptr<ContactSolver> make_contact_solver(std::string_view name) {
-  std::string known;
-  for (const SolverEntry& entry : contact_solvers()) {
-    if (entry.name == name) return entry.make();
-    known += (known.empty() ? "" : ", ") + entry.name;
-  }
-  throw std::invalid_argument("no contact solver named '" + std::string(name) + "', there are " + known);
+  return table().find(name).make();
 }
 
 }  // namespace saltus

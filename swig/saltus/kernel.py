@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING
 
-from saltus import _core
+from saltus import _core, registry
 from saltus._core import (
     CheckItem,
+    Configuration,
+    ContactStage,
     EqualityConditionNSL,
     Interaction,
     LagrangianDS,
@@ -24,19 +26,25 @@ from saltus._core import (
     NewtonImpactNSL,
     NonSmoothLaw,
     OneStepIntegrator,
+    Reactions,
     SimulationError,
+    State,
+    StepFailure,
     StepReport,
     integrators,
 )
 from saltus.io import Layout, Provenance, Trajectory
+from saltus.registry import IntegratorFactory, register_integrator
 from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
 
 if TYPE_CHECKING:
-    from saltus.typing import FloatArray, OptionEntry
+    from saltus.typing import FloatArray
 
 __all__ = [
     "Box",
     "CheckReport",
+    "Configuration",
+    "ContactStage",
     "Disc",
     "EqualityConditionNSL",
     "Interaction",
@@ -51,42 +59,21 @@ __all__ = [
     "OneStepIntegrator",
     "Polyline",
     "Pose",
+    "Reactions",
     "Shape",
     "SimulationError",
+    "State",
+    "StepFailure",
     "StepReport",
     "TimeStepping",
     "integrators",
+    "register_integrator",
 ]
 
 
-class IntegratorFactory:
-    """Makes an integrator of the registry; its options are keywords, or stand in the order listed."""
-
-    def __init__(self, name: str, summary: str, options: dict[str, OptionEntry]) -> None:
-        self.name = name
-        self._options = tuple(options)
-        lines = [f"{key} = {about['default']!r}: {about['meaning']}" for key, about in options.items()]
-        self.__doc__ = f"{summary}\n\nOptions\n-------\n" + ("\n".join(lines) or "none")
-
-    def __call__(self, *values: float | str, **options: float | str) -> OneStepIntegrator:
-        """Make the integrator. Raises ValueError if there is no such option or choice."""
-        if len(values) > len(self._options):
-            raise TypeError(f"{self.name} takes {len(self._options)} options, got {len(values)}")
-        given = dict(zip(self._options, values, strict=False))
-        for key, value in options.items():
-            if key in given:
-                raise TypeError(f"{self.name}: {key} is given twice")
-            given[key] = value
-        return _core.make_integrator(self.name, given)
-
-    def __repr__(self) -> str:
-        return f"<integrator {self.name}>"
-
-
 def __getattr__(name: str) -> IntegratorFactory:
-    for entry in integrators():
-        if entry["name"] == name:
-            return IntegratorFactory(name, entry["summary"], entry["options"])
+    if any(entry["name"] == name for entry in integrators()):
+        return registry.integrator(name)
     raise AttributeError(f"module 'saltus.kernel' has no attribute {name!r}")
 
 
@@ -164,9 +151,10 @@ class TimeStepping(_core.TimeSteppingBase):
     Parameters
     ----------
     system : NonSmoothDynamicalSystem, as it is now: interactions linked later are not seen
-    integrator : made by a factory of this module, or the name of one
+    integrator : made by a factory of this module, or a name: of one of them, "library:Class" of a plugin,
+        "file.py:Class" of a Python class
     time_step : Δt > 0 [s]
-    solver : name of a contact solver, see ``saltus.numerics.solvers()``
+    solver : name of a contact solver, see ``saltus.numerics.solvers()``, or of a plugin's or a Python class
     record_every : keep every n-th row, and all impulsive steps
 
     Raises
@@ -187,13 +175,13 @@ class TimeStepping(_core.TimeSteppingBase):
     ) -> None:
         if not isinstance(system, NonSmoothDynamicalSystem):
             raise TypeError(f"system must be a NonSmoothDynamicalSystem, got {type(system).__name__}")
-        scheme = _core.make_integrator(integrator) if isinstance(integrator, str) else integrator
+        scheme = registry.integrator(integrator)() if isinstance(integrator, str) else integrator
         if not isinstance(scheme, OneStepIntegrator):
             hint = f": call it, {scheme.name}()" if isinstance(scheme, IntegratorFactory) else ""
             raise TypeError(f"integrator must be a OneStepIntegrator or a name, got {integrator!r}{hint}")
         if not isinstance(time_step, Real):
             raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
-        super().__init__(system, scheme, float(time_step), solver)
+        super().__init__(system, scheme, float(time_step), registry.solver(solver))
         recording = _core.Recording(record_every)
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])

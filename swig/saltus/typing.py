@@ -9,6 +9,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+# "library:function", what saltus.compiled returns, or a C pointer of ctypes, cffi or numba: saltus.functions
+ModelFunction = Any
+
 
 class OptionEntry(TypedDict):
     """An option of an integrator: a number, or a word out of its choices."""

@@ -126,7 +126,7 @@ def test_what_a_python_model_must_define():
 
 
 def test_a_mass_is_given_in_one_way():
-    with pytest.raises(ValueError, match="Pendulum.mass is defined and a constant mass= is given"):
+    with pytest.raises(ValueError, match="Pendulum.mass is defined and mass= is given"):
         one(Pendulum([0.0], [0.0], mass=[[1.0]]))
 
 

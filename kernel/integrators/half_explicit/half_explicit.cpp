@@ -60,8 +60,10 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   if (!stage(0, state.t, dt, report)) return report;
   for (int l = 1; l <= s_; ++l)
     if (!row(l, dt, report) || !stage(l, state.t, dt, report)) return report;
-  position(tableau_.Aq, s_ + 1, dt);  // (64)
-  if (!same_as_last_[s_ + 1]) at(s_ + 1).move_to(q_);
+  if (!same_as_last_[s_ + 1]) {
+    position(tableau_.Aq, s_ + 1, dt);  // (64)
+    at(s_ + 1).move_to(q_);
+  }
   if (!at(s_ + 1).factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
     return report;
@@ -89,8 +91,9 @@ void HalfExplicit::begin(const State& state, const Reactions& reactions) {
 // q_ <- q_0 + Δt Σ_k A_lk v_k
 void HalfExplicit::position(const Matrix& A, int l, double dt) {
   q_ = at(0).q();
+  const double* weight = &A(l - 1, 0);
   for (int k = 0; k <= s_; ++k)
-    if (A(l - 1, k) != 0.0) q_ += (dt * A(l - 1, k)) * stages_[k].v;
+    if (weight[k] != 0.0) add_scaled(dt * weight[k], stages_[k].v, q_);
 }
 
 // h and M⁻¹h at stage l
@@ -112,22 +115,29 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
   Stage& next = stages_[l];
   const double weight = dt * tableau_.Av(l - 1, l - 1);
 
-  next.v = stages_[0].v + weight * force.acceleration;  // v_free: everything but λ_{l-1}
-  for (int k = 0; k < l - 1; ++k)
-    next.v += (dt * tableau_.Av(l - 1, k)) * (stages_[k].acceleration + stages_[k].reaction);
+  next.v = stages_[0].v;  // v_free: everything but λ_{l-1}
+  for (int k = 0; k < l - 1; ++k) {
+    add_scaled(dt * tableau_.Av(l - 1, k), stages_[k].acceleration, next.v);
+    add_scaled(dt * tableau_.Av(l - 1, k), stages_[k].reaction, next.v);
+  }
+  add_scaled(weight, force.acceleration, next.v);
 
   if (level_ == Level::velocity)
     constrain_velocity(l, dt);
   else
     constrain_acceleration(l, dt);
-  ContactAssembly& assembly = contacts_->assembly();
-  assembly.gather(force.lambda, weight, contacts_->P());
-  if (!contacts_->solve(report)) return false;
-  force.lambda.setZero();
-  assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
   force.reaction.setZero();
-  assembly.apply(1.0 / weight, contacts_->P().data(), force.reaction);
-  next.v += weight * force.reaction;
+  if (active_.empty()) {
+    force.lambda.setZero();
+  } else {
+    ContactAssembly& assembly = contacts_->assembly();
+    assembly.gather(force.lambda, weight, contacts_->P());
+    if (!contacts_->solve(report)) return false;
+    force.lambda.setZero();
+    assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
+    assembly.apply(1.0 / weight, contacts_->P().data(), force.reaction);
+    add_scaled(weight, force.reaction, next.v);
+  }
 
   if (l <= s_ && !explicit_[l] && !same_as_last_[l]) {
     position(tableau_.Aq, l, dt);
@@ -138,8 +148,10 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
 
 // W at the row's own position, or at a prediction of it where that needs the velocity first, (69), (71)
 void HalfExplicit::constrain_velocity(int l, double dt) {
-  Configuration& constraint = explicit_[l] ? at(l) : *predicted_;
-  if (l <= s_ && !(explicit_[l] && same_as_last_[l])) {
+  // A constant W needs no prediction, where the activity needs none either.
+  const bool foreseen = !explicit_[l] && !layout_->varying_jacobian && activity_ == Activity::start;
+  Configuration& constraint = explicit_[l] ? at(l) : foreseen ? at(0) : *predicted_;
+  if (l <= s_ && !foreseen && !(explicit_[l] && same_as_last_[l])) {
     position(tableau_.Ac, l, dt);
     if (explicit_[l] || activity_ == Activity::predicted)
       constraint.move_to(q_);
@@ -147,6 +159,7 @@ void HalfExplicit::constrain_velocity(int l, double dt) {
       constraint.move_without_gaps(q_);
   }
   choose_closed(l > s_ ? at(l) : activity_ == Activity::predicted ? constraint : at(0));
+  if (active_.empty()) return;
   contacts_->assembly().assemble(active_, constraint, at(l - 1), at(l - 1));
   contacts_->assembly().set_b(constraint, stages_[l].v);
 }
@@ -155,6 +168,7 @@ void HalfExplicit::constrain_velocity(int l, double dt) {
 void HalfExplicit::constrain_acceleration(int l, double dt) {
   const Stage& stage = stages_[l - 1];
   choose_staying(at(l - 1), stage, dt);
+  if (active_.empty()) return;
   contacts_->assembly().assemble(active_, at(l - 1), at(l - 1), at(l - 1));
   contacts_->assembly().set_b_of_acceleration(at(l - 1), stage.v, stage.acceleration,
                                               dt * tableau_.Av(l - 1, l - 1));
@@ -190,7 +204,7 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   Configuration& end = at(s_ + 1);
   Vec& v = stages_[s_ + 1].v;
   v = stages_[0].v;
-  for (int k = 0; k <= s_; ++k) v += (dt * tableau_.Av(s_, k)) * stages_[k].acceleration;  // (55)
+  for (int k = 0; k <= s_; ++k) add_scaled(dt * tableau_.Av(s_, k), stages_[k].acceleration, v);  // (55)
   for (Stage& stage : stages_) stage.lambda.setZero();
 
   choose_closed(end);
@@ -243,10 +257,13 @@ void HalfExplicit::commit(double dt, State& state, Reactions& reactions, StepRep
   report.kinetic_energy = end.kinetic_energy(stages_[s_ + 1].v);
   state.t += dt;
   state.q = end.q();
-  state.v = stages_[s_ + 1].v;
-  reactions.lambda_plus = stages_[0].lambda;
-  reactions.lambda_minus = stages_[s_].lambda;
-  reactions.impulse = impulse_;
+  state.v.swap(stages_[s_ + 1].v);
+  if (s_ > 0)
+    reactions.lambda_plus.swap(stages_[0].lambda);
+  else
+    reactions.lambda_plus = stages_[0].lambda;
+  reactions.lambda_minus.swap(stages_[s_].lambda);
+  reactions.impulse.swap(impulse_);
   std::swap(slot_[0], slot_[s_ + 1]);  // the end is the next start
   for (int l = s_; l > 0 && same_as_last_[l + 1]; --l) slot_[l] = slot_[l + 1];
 }

@@ -58,6 +58,47 @@ def reproduce(
     run(what.value, as_json=json)
 
 
+@app.command()
+def bench(
+    models: Annotated[
+        list[str] | None, typer.Argument(metavar="[MODEL]...", help="Models to run; all if none is named.")
+    ] = None,
+    integrator: Annotated[
+        list[str] | None,
+        typer.Option(help="An integrator, also of a plugin or a Python file; all if none is named."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """Measure the time of a step: every integrator on models in C++, beside a loop written by hand."""
+    from saltus.cli.bench import run
+
+    run(models or [], integrator or [], as_json=json)
+
+
+@app.command()
+def conformance(
+    integrators: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[INTEGRATOR]...",
+            help="Names, library:Class or file.py:Class; all registered if none is given.",
+        ),
+    ] = None,
+) -> None:
+    """Measure whether integrators keep what their line in the table says; exit status 1 if one does not."""
+    from saltus import kernel
+    from saltus.conformance import findings
+
+    console = Console(soft_wrap=True)
+    broken = 0
+    for name in integrators or [entry["name"] for entry in kernel.integrators()]:
+        console.print(name, style="bold", markup=False)
+        for finding in findings(name):
+            console.print(str(finding), highlight=False, markup=False, style=None if finding.ok else "red")
+            broken += not finding.ok
+    raise typer.Exit(code=1 if broken else 0)
+
+
 def main() -> None:
     """Run the command; an error that a user can mend is one line on stderr."""
     try:

@@ -1,0 +1,1 @@
+"""The bouncing ball: one freedom, one contact, everything known in closed form."""

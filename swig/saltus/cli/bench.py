@@ -1,0 +1,140 @@
+"""``saltus bench``: what a step costs."""
+
+from __future__ import annotations
+
+import json
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+
+from rich.console import Console
+from rich.table import Table
+
+from saltus import _core, registry
+from saltus.cli.progress import progress_bar
+from saltus.examples.bouncing_ball import bouncing_ball
+from saltus.examples.slider_crank import slider_crank
+from saltus.kernel import NonSmoothDynamicalSystem, integrators
+
+REPEATS = 7
+
+
+@dataclass(frozen=True)
+class Model:
+    """What is run: models in C++, so that the figure is the integrator's."""
+
+    build: Callable[[], NonSmoothDynamicalSystem]
+    time_step: float  # [s]
+    steps: int
+    bare_loop: Callable[[float, int], object] | None = None  # the same, written by hand
+
+
+MODELS = {
+    "slider-crank": Model(slider_crank.build, 1e-5, 40_000, _core.bare_slider_crank),
+    "bouncing-ball": Model(bouncing_ball.build, 1e-4, 60_000),
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of the table."""
+
+    model: str
+    integrator: str
+    us_per_step: float  # median over the repeats
+    steps: int
+    time_step: float  # [s]
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A pair that cannot be run, and why."""
+
+    model: str
+    integrator: str
+    reason: str
+
+
+def run(names: Sequence[str], schemes: Sequence[str], as_json: bool) -> None:
+    """Time every integrator on every model and print the table.
+
+    Raises
+    ------
+    ValueError
+        If there is no such model or integrator.
+    """
+    for name in names:
+        if name not in MODELS:
+            raise ValueError(f"no model named '{name}', there are {', '.join(MODELS)}")
+    chosen = [registry.integrator(scheme).name for scheme in schemes]
+    results: list[Result] = []
+    skipped: list[Skipped] = []
+    with progress_bar() as show:
+        models = list(names) or list(MODELS)
+        for index, name in enumerate(models):
+            show(name, index / len(models))
+            measure(name, chosen or [entry["name"] for entry in integrators()], results, skipped)
+    if as_json:
+        print(json.dumps({"results": [asdict(r) for r in results], "skipped": [asdict(s) for s in skipped]}))
+    else:
+        print_table(results, skipped)
+
+
+def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: list[Skipped]) -> None:
+    """Median time of a step: the loop alone, with the report of each step, nothing recorded.
+
+    The integrators take turns, so that a disturbance of the machine does not hit one of them alone.
+    """
+    model = MODELS[name]
+    loops: dict[str, Callable[[], float]] = {}
+    for scheme in schemes:
+        try:
+            _core.TimeSteppingBase(model.build(), registry.integrator(scheme)(), model.time_step, "auto")
+        except ValueError as error:
+            skipped.append(Skipped(name, scheme, str(error)))
+            continue
+        loops[scheme] = lambda scheme=scheme: time_loop(model, scheme)  # type: ignore[misc]
+    if model.bare_loop:
+        loops["bare-loop"] = lambda: time_bare_loop(model)
+    seconds: dict[str, list[float]] = {scheme: [] for scheme in loops}
+    for _ in range(REPEATS):
+        for scheme, loop in loops.items():
+            seconds[scheme].append(loop())
+    for scheme, values in seconds.items():
+        us = 1e6 * statistics.median(values) / model.steps
+        results.append(Result(name, scheme, us, model.steps, model.time_step))
+
+
+def time_loop(model: Model, scheme: str) -> float:
+    """Seconds of one run, its preparation excluded."""
+    simulation = _core.TimeSteppingBase(model.build(), registry.integrator(scheme)(), model.time_step, "auto")
+    until = (model.steps + 0.5) * model.time_step
+    start = time.perf_counter()
+    simulation.advance(until, None)
+    return time.perf_counter() - start
+
+
+def time_bare_loop(model: Model) -> float:
+    """Seconds of the loop written by hand."""
+    assert model.bare_loop
+    start = time.perf_counter()
+    model.bare_loop(model.time_step, model.steps)
+    return time.perf_counter() - start
+
+
+def print_table(results: Sequence[Result], skipped: Sequence[Skipped]) -> None:
+    """Time of a step, and its ratio to the bare loop where there is one."""
+    bare = {r.model: r.us_per_step for r in results if r.integrator == "bare-loop"}
+    table = Table(title=f"time of a step, median of {REPEATS} runs, one thread, nothing recorded")
+    for heading in ("model", "integrator"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("µs/step", "/ bare loop"):
+        table.add_column(heading, justify="right")
+    for r in results:
+        ratio = f"{r.us_per_step / bare[r.model]:.2f}" if r.model in bare else ""
+        table.add_row(f"{r.model}, Δt={r.time_step:.0e}", r.integrator, f"{r.us_per_step:.3f}", ratio)
+    console = Console(soft_wrap=True)
+    console.print(table)
+    for s in skipped:
+        console.print(f"{s.integrator} on {s.model} not run: {s.reason}", highlight=False)
