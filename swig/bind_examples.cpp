@@ -1,11 +1,13 @@
+#include "ball_in_box/ball_in_box.hpp"
 #include "bindings.hpp"
 #include "slider_crank/slider_crank.hpp"
 
 namespace saltus::python {
+namespace {
 
-// The fast models of the examples. The Python documents beside them explain the formulas.
-void bind_examples(py::module_& module) {
-  using namespace examples;
+using namespace examples;
+
+void bind_slider_crank(py::module_& module) {
   py::class_<SliderCrankParameters>(module, "SliderCrankParameters", "Table 1 of the paper.")
       .def(py::init<>())
       .def_readwrite("l1", &SliderCrankParameters::l1, "length of the crank [m]")
@@ -33,6 +35,21 @@ void bind_examples(py::module_& module) {
   py::classh<SliderGuide, Relation>(module, "CompiledSliderGuide", py::is_final(),
                                     "The slider on a straight guide, y = 0 and θ3 = 0, in C++.")
       .def(py::init<const SliderCrankParameters&>(), py::arg("parameters"));
+}
+
+void bind_ball_in_box(py::module_& module) {
+  module.def(
+      "compiled_ball_in_box",
+      [](bool oblique) { return make_ball_in_box(oblique ? Gravity::oblique : Gravity::down); },
+      py::arg("oblique"), "The ball in a box in C++, which a test compares with the one in Python.");
+}
+
+}  // namespace
+
+// The models of the examples in C++. The Python documents beside them explain the formulas.
+void bind_examples(py::module_& module) {
+  bind_slider_crank(module);
+  bind_ball_in_box(module);
 }
 
 }  // namespace saltus::python
