@@ -253,14 +253,30 @@ py::dict entry_dict(const IntegratorEntry& entry) {
   return row;
 }
 
+// All options of a scheme of the registry, those not given with their standard value.
+Options complete_options(const std::string& name, Options given) {
+  for (const IntegratorEntry& entry : integrators())
+    if (entry.name == name)
+      for (const SchemeOption& option : entry.options) given.emplace(option.name, option.standard);
+  return given;
+}
+
 void bind_integrators(py::module_& module) {
-  py::classh<OneStepIntegrator>(module, "OneStepIntegrator",
+  py::classh<OneStepIntegrator>(module, "OneStepIntegrator", py::dynamic_attr(),
                                 "A one-step scheme with its options; simulations take copies of it.")
       .def_property_readonly("name", &OneStepIntegrator::name)
+      .def_property_readonly(
+          "options",
+          [](const py::object& self) { return self.attr("__dict__").attr("get")("_options", py::dict()); },
+          "All options by name, also those that were not given.")
       .def("__repr__", [](const OneStepIntegrator& self) { return "<" + self.name() + ">"; });
   module.def(
       "make_integrator",
-      [](const std::string& name, const Options& options) { return make_integrator(name, options); },
+      [](const std::string& name, const Options& options) {
+        const py::object scheme = py::cast(make_integrator(name, options));
+        scheme.attr("_options") = complete_options(name, options);
+        return scheme;
+      },
       py::arg("name"), py::arg("options") = Options{},
       "An integrator by its name in integrators().\n\nRaises ValueError naming those that there are.");
   module.def(

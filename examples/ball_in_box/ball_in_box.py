@@ -35,7 +35,7 @@ Run this file to see the impacts. ball_in_box.cpp is the same in C++.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import cos, pi, sin
 from typing import Literal
 
@@ -83,7 +83,7 @@ def build(gravity: Gravity = "oblique") -> sk.NonSmoothDynamicalSystem:
     ball = sk.LagrangianLinearTIDS([p.x0, p.y0], [0.0, 0.0], p.m * np.eye(2), external_force=weight)
     ball.add_shape(sk.Disc(p.R), pose=lambda q: (q[0], q[1], 0.0))
     ball.add_shape(sk.Box(p.a, p.b), pose=lambda q: (p.a / 2, p.b / 2, 0.0))
-    system = sk.NonSmoothDynamicalSystem([ball])
+    system = sk.NonSmoothDynamicalSystem([ball], parameters={**asdict(p), "direction of gravity": gravity})
     for name, normal, offset in [
         ("left", [1.0, 0.0], -p.R),
         ("right", [-1.0, 0.0], p.a - p.R),
