@@ -1,13 +1,21 @@
 #include "saltus/io/recording.hpp"
 
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 namespace {
 
 void append(std::vector<double>& column, const Vec& values) {
   column.insert(column.end(), values.data(), values.data() + values.size());
+}
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -39,6 +47,53 @@ void Recording::observe(const StepView& view) {
   step.push_back(view.step);
   closed.push_back(view.report.closed);
   impulsive.push_back(view.report.impulsive ? 1 : 0);
+  if (sink_ && (rows() >= chunk_rows_ || now() - last_ >= chunk_seconds_)) flush();
+}
+
+void Recording::stream(Sink sink, long rows, double seconds) {
+  if (!sink) throw std::invalid_argument("stream needs a sink, got none");
+  if (rows < 1)
+    throw std::invalid_argument("rows of a chunk must be at least 1, got " + std::to_string(rows));
+  if (!(seconds > 0.0))
+    throw std::invalid_argument("seconds between chunks must be positive, got " + number(seconds));
+  sink_ = std::move(sink);
+  chunk_rows_ = rows;
+  chunk_seconds_ = seconds;
+  last_ = now();
+}
+
+void Recording::flush() {
+  if (!sink_ || rows() == 0) return;
+  sink_(*this);
+  handed_on_ += rows();
+  for (const Column& column : run_columns())
+    std::visit([this](auto member) { (this->*member).clear(); }, column.values);
+  last_ = now();
+}
+
+const std::vector<Column>& run_columns() {
+  using Width = Column::Width;
+  static const std::vector<Column> table = {
+      {"t", "s", Width::one, &Recording::t},
+      {"step", "1", Width::one, &Recording::step},
+      {"q", "m or rad", Width::freedoms, &Recording::q},
+      {"v", "m/s or rad/s", Width::freedoms, &Recording::v},
+      {"gap", "m", Width::gaps, &Recording::gaps},
+      {"velocity", "m/s", Width::rows, &Recording::velocities},
+      {"lambda_plus", "N", Width::rows, &Recording::lambda_plus},
+      {"lambda_minus", "N", Width::rows, &Recording::lambda_minus},
+      {"impulse", "N s", Width::rows, &Recording::impulse},
+      {"impulsive", "1", Width::one, &Recording::impulsive},
+      {"closed", "1", Width::one, &Recording::closed},
+      {"residual", "m/s", Width::one, &Recording::residual},
+      {"penetration", "m", Width::one, &Recording::penetration},
+      {"kinetic_energy", "J", Width::one, &Recording::kinetic_energy},
+      {"potential_energy", "J", Width::one, &Recording::potential_energy},
+      {"work_forces", "J", Width::one, &Recording::work_forces},
+      {"work_lambda", "J", Width::one, &Recording::work_lambda},
+      {"work_impulse", "J", Width::one, &Recording::work_impulse},
+  };
+  return table;
 }
 
 }  // namespace saltus

@@ -1,14 +1,16 @@
 #include <pybind11/stl.h>
 
+#include "ball_in_box/ball_in_box.hpp"
 #include "bindings.hpp"
 #include "slider_crank/bare_loop.hpp"
 #include "slider_crank/slider_crank.hpp"
 
 namespace saltus::python {
+namespace {
 
-// The fast models of the examples. The Python documents beside them explain the formulas.
-void bind_examples(py::module_& module) {
-  using namespace examples;
+using namespace examples;
+
+void bind_slider_crank(py::module_& module) {
   py::class_<SliderCrankParameters>(module, "SliderCrankParameters", "Table 1 of the paper.")
       .def(py::init<>())
       .def_readwrite("l1", &SliderCrankParameters::l1, "length of the crank [m]")
@@ -45,6 +47,21 @@ void bind_examples(py::module_& module) {
       },
       py::arg("time_step"), py::arg("steps"),
       "q and v of the frictional slider crank after some steps of a loop that is written by hand for it.");
+}
+
+void bind_ball_in_box(py::module_& module) {
+  module.def(
+      "compiled_ball_in_box",
+      [](bool oblique) { return make_ball_in_box(oblique ? Gravity::oblique : Gravity::down); },
+      py::arg("oblique"), "The ball in a box in C++, which a test compares with the one in Python.");
+}
+
+}  // namespace
+
+// The models of the examples in C++. The Python documents beside them explain the formulas.
+void bind_examples(py::module_& module) {
+  bind_slider_crank(module);
+  bind_ball_in_box(module);
 }
 
 }  // namespace saltus::python

@@ -112,6 +112,27 @@ void bind_report(py::module_& module) {
       .def_readwrite("work_impulse", &StepReport::work_impulse, "of Λ [J]");
 }
 
+// All options of a scheme of the registry, those not given with their standard value.
+Options complete_options(const std::string& name, Options given) {
+  for (const IntegratorEntry& entry : integrators())
+    if (entry.name == name)
+      for (const SchemeOption& option : entry.options) given.emplace(option.name, option.standard);
+  return given;
+}
+
+// What the registry was asked for, or, of an object that a Python class made by itself, its numbers and
+// words.
+py::dict options_of(const py::object& self) {
+  const py::dict attributes = self.attr("__dict__");
+  if (attributes.contains("_options")) return attributes["_options"];
+  py::dict options;
+  for (const auto& [name, value] : attributes)
+    if (py::isinstance<py::float_>(value) || py::isinstance<py::int_>(value) ||
+        py::isinstance<py::str>(value))
+      options[name] = value;
+  return options;
+}
+
 void bind_integrator(py::module_& module) {
   py::classh<OneStepIntegrator, PyIntegrator>(
       module, "OneStepIntegrator", py::dynamic_attr(),
@@ -125,9 +146,17 @@ ContactStage cannot do raises StepFailure: let it pass, the simulation reports i
 )")
       .def(py::init<>())
       .def_property_readonly("name", &OneStepIntegrator::name)
+      .def_property_readonly("options", &options_of, "All options by name, also those that were not given.")
       .def("__repr__", [](const OneStepIntegrator& self) { return "<" + self.name() + ">"; });
-  module.def("make_integrator", &make_integrator, py::arg("name"), py::arg("options") = Options{},
-             "An integrator by its name in integrators().\n\nRaises ValueError naming those that there are.");
+  module.def(
+      "make_integrator",
+      [](const std::string& name, const Options& options) {
+        const py::object scheme = py::cast(make_integrator(name, options));
+        scheme.attr("_options") = complete_options(scheme.attr("name").cast<std::string>(), options);
+        return scheme;
+      },
+      py::arg("name"), py::arg("options") = Options{},
+      "An integrator by its name in integrators().\n\nRaises ValueError naming those that there are.");
   module.def(
       "integrators",
       [] {

@@ -165,7 +165,8 @@ def build(guidance: Guidance = "frictional", *, compiled: bool = True) -> sk.Non
     crank_type = CompiledSliderCrank if compiled else SliderCrank
     crank = crank_type([0.0, 0.0, 0.0], [150.0, -75.0, 0.0], p)
     add_shapes(crank, p)
-    system = sk.NonSmoothDynamicalSystem([crank])
+    parameters = {name: getattr(p, name) for name in vars(SliderCrankParameters) if not name.startswith("_")}
+    system = sk.NonSmoothDynamicalSystem([crank], parameters={**parameters, "guidance": guidance})
     if guidance == "equality":
         guide = CompiledSliderGuide(p) if compiled else SliderGuide(p)
         system.link(sk.Interaction(guide, sk.EqualityConditionNSL(2), name="guide"), crank)

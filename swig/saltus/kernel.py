@@ -6,10 +6,12 @@ Every registered integrator is a factory of this module under its name, its opti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from saltus import _core, registry
 from saltus._core import (
@@ -34,6 +36,7 @@ from saltus._core import (
     integrators,
 )
 from saltus.io import Layout, Provenance, Trajectory
+from saltus.io.stream import Stream
 from saltus.registry import IntegratorFactory, register_integrator
 from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
 
@@ -118,21 +121,35 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
     ----------
     systems : the dynamical systems
     t0 : initial time [s]
+    parameters : what the model was made with, by name, to be kept with its runs: numbers and words, or
+        lists and mappings of them
 
     Raises
     ------
     ValueError
-        If there is no system, one stands twice, or t0 is not finite.
+        If there is no system, one stands twice, t0 is not finite, or parameters are something else.
     """
 
-    def __init__(self, systems: Sequence[LagrangianDS], t0: float = 0.0) -> None:
+    def __init__(
+        self,
+        systems: Sequence[LagrangianDS],
+        t0: float = 0.0,
+        *,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:
         self._systems = tuple(systems)
+        self._parameters = _plain(parameters or {})
         super().__init__(list(self._systems), t0)
 
     @property
     def systems(self) -> tuple[LagrangianDS, ...]:
         """The dynamical systems, in the order of their freedoms."""
         return self._systems
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """What the model was made with, by name."""
+        return self._parameters
 
     def check(self) -> CheckReport:
         """Compare mass, forces, jacobian and curvature with finite differences at the initial state.
@@ -143,6 +160,17 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))
+
+
+def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy as it will be read from a file."""
+    try:
+        plain = json.loads(json.dumps(parameters))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"parameters must be numbers, words, lists and mappings, got: {error}") from error
+    if not isinstance(plain, dict):
+        raise ValueError(f"parameters must be a mapping of names, got {type(parameters).__name__}")
+    return plain
 
 
 class TimeStepping(_core.TimeSteppingBase):
@@ -156,12 +184,17 @@ class TimeStepping(_core.TimeSteppingBase):
     time_step : Δt > 0 [s]
     solver : name of a contact solver, see ``saltus.numerics.solvers()``, or of a plugin's or a Python class
     record_every : keep every n-th row, and all impulsive steps
+    file : HDF5 file that rows go to while the run goes on, instead of the memory. A run that is there is
+        replaced. The file can be read at any time with `saltus.io.read_hdf5`, also if the program is
+        killed: then at most the last second, or the last 4 MiB, is missing.
 
     Raises
     ------
     ValueError
         If Δt is not positive and finite, a name is unknown, the integrator or the solver cannot take the
         model, or the model's mass, forces, gaps or Jacobians are not finite at t0.
+    OSError
+        If the file cannot be written, FileExistsError if there is another file than a run.
     """
 
     def __init__(
@@ -172,6 +205,7 @@ class TimeStepping(_core.TimeSteppingBase):
         *,
         solver: str = "auto",
         record_every: int = 1,
+        file: str | os.PathLike[str] | None = None,
     ) -> None:
         if not isinstance(system, NonSmoothDynamicalSystem):
             raise TypeError(f"system must be a NonSmoothDynamicalSystem, got {type(system).__name__}")
@@ -185,8 +219,14 @@ class TimeStepping(_core.TimeSteppingBase):
         recording = _core.Recording(record_every)
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
-        provenance = Provenance.now(scheme.name, time_step, solver, record_every)
-        self._trajectory: Trajectory = Trajectory(recording, layout, provenance, shapes_of(system.systems))
+        provenance = Provenance(
+            scheme.name, scheme.options, float(time_step), solver, int(record_every), system.parameters
+        )
+        shapes = shapes_of(system.systems)
+        self._stream: Stream | None = (
+            None if file is None else Stream(file, recording, layout, provenance, shapes)
+        )
+        self._trajectory: Trajectory = Trajectory(self._stream or recording, layout, provenance, shapes)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -197,7 +237,7 @@ class TimeStepping(_core.TimeSteppingBase):
         """Take all steps with t_k <= until (1 + 1e-12), never a shortened one.
 
         A further call continues the same trajectory. `progress` is called with the time every few hundred
-        steps.
+        steps. However the run ends, what was recorded is then in the file, if there is one.
 
         Raises
         ------
@@ -205,12 +245,16 @@ class TimeStepping(_core.TimeSteppingBase):
             If a step cannot be taken; its ``trajectory`` is what was recorded so far.
         ValueError
             If until is not finite.
+        OSError
+            If the file can no longer be written.
         """
         try:
             self.advance(until, progress)
         except SimulationError as error:
             error.trajectory = self._trajectory
             raise
+        finally:
+            self._close_file()
         return self._trajectory
 
     def step(self) -> StepReport:
@@ -219,8 +263,13 @@ class TimeStepping(_core.TimeSteppingBase):
             return self.take_step()
         except SimulationError as error:
             error.trajectory = self._trajectory
+            self._close_file()
             raise
 
     def observe(self, callback: Callable[[int, float, FloatArray, FloatArray, StepReport], object]) -> None:
         """Call ``callback(step, t, q, v, report)`` for row 0 and after every step."""
         self.add_callback(callback)
+
+    def _close_file(self) -> None:
+        if self._stream is not None:
+            self._stream.close()

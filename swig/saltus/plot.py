@@ -67,7 +67,7 @@ def forces(ax: Axes, trajectory: Trajectory) -> None:
     """Normal force of every contact, the mean of λ⁺ and λ⁻."""
     for index, name in enumerate(trajectory.contacts):
         ax.plot(trajectory.t, trajectory[name].force[:, 0], _line(index), label=name)
-    _mark_impacts(ax, trajectory)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel("force λ_N [N]")
     _legend(ax, trajectory)
 
@@ -88,7 +88,7 @@ def energy(ax: Axes, trajectory: Trajectory) -> None:
     """Total energy, or the kinetic one where a system does not know its potential."""
     known = bool(np.isfinite(trajectory.energy).all())
     ax.plot(trajectory.t, trajectory.energy if known else trajectory.kinetic_energy, color="black")
-    _mark_impacts(ax, trajectory)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel("total energy [J]" if known else "kinetic energy [J]")
 
 
@@ -112,7 +112,8 @@ def place(outline: FloatArray, pose: FloatArray) -> FloatArray:
     return placed
 
 
-def _mark_impacts(ax: Axes, trajectory: Trajectory) -> None:
+def mark_impacts(ax: Axes, trajectory: Trajectory) -> None:
+    """Grey lines at the impulsive steps."""
     times = trajectory.t[trajectory.impulsive]
     if len(times) < len(trajectory) / 2:  # where every step is one, marks say nothing
         for t in times:
@@ -124,9 +125,14 @@ def _line(index: int) -> str:
     return "-" if index % 2 == 0 else "--"
 
 
+def legend_strip(ax: Axes, columns: int = 4) -> None:
+    """Legend in a strip above the data."""
+    low, high = ax.get_ylim()
+    lines = -(-len(ax.get_legend_handles_labels()[1]) // columns)
+    ax.set_ylim(low, high + (0.05 + 0.15 * lines) * (high - low))
+    ax.legend(loc="upper center", ncols=columns)
+
+
 def _legend(ax: Axes, trajectory: Trajectory) -> None:
-    """Names of the contacts, in a strip above the data."""
     if 0 < len(trajectory.contacts) <= MOST_LINES:
-        low, high = ax.get_ylim()
-        ax.set_ylim(low, high + 0.2 * (high - low))
-        ax.legend(loc="upper center", ncols=4)
+        legend_strip(ax)

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
 
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
@@ -89,6 +92,89 @@ TEST(Recording, ReactionsStandInTheRowsOfTheirContacts) {
       impacts += normal > 0.0;
     }
   EXPECT_GT(impacts, 3);
+}
+
+// What a run leaves in its chunks, put together again.
+std::vector<long> steps_of_chunks(std::shared_ptr<Recording> recording, long rows, double seconds,
+                                  std::vector<long>& sizes) {
+  TimeStepping simulation(crank(), *make_integrator("HalfExplicitTrapezoidalOSI"), 1e-4);
+  simulation.add_observer(recording);
+  std::vector<long> steps;
+  recording->stream(
+      [&](const Recording& chunk) {
+        EXPECT_EQ(chunk.handed_on(), static_cast<long>(steps.size()));
+        EXPECT_EQ(chunk.q.size(), 3 * chunk.step.size());
+        steps.insert(steps.end(), chunk.step.begin(), chunk.step.end());
+        sizes.push_back(chunk.rows());
+      },
+      rows, seconds);
+  simulation.run(0.1);
+  recording->flush();
+  return steps;
+}
+
+TEST(Recording, HandsItsRowsOnInChunksAndForgetsThem) {
+  const auto whole = record(crank(), 3, 1e-4, 0.1);
+  const auto streamed = std::make_shared<Recording>(3);
+  std::vector<long> sizes;
+  EXPECT_EQ(steps_of_chunks(streamed, 100, 1e9, sizes), whole->step);
+  for (std::size_t k = 0; k + 1 < sizes.size(); ++k) EXPECT_EQ(sizes[k], 100);
+  EXPECT_LE(sizes.back(), 100);
+  EXPECT_EQ(streamed->rows(), 0);
+  EXPECT_EQ(streamed->handed_on(), whole->rows());
+  EXPECT_LE(streamed->q.capacity(), 3u * 256);  // memory is that of a chunk
+}
+
+TEST(Recording, HandsItsRowsOnWhenTimeHasPassed) {
+  std::vector<long> sizes;
+  EXPECT_EQ(steps_of_chunks(std::make_shared<Recording>(), 1000000, 1e-12, sizes).size(), 1001u);
+  EXPECT_GT(sizes.size(), 900u);
+}
+
+TEST(Recording, KeepsTheRowsThatTheSinkDidNotTake) {
+  TimeStepping simulation(crank(), *make_integrator("HalfExplicitTrapezoidalOSI"), 1e-4);
+  const auto recording = std::make_shared<Recording>();
+  simulation.add_observer(recording);
+  bool full = true;
+  std::vector<long> taken;
+  recording->stream(
+      [&](const Recording& chunk) {
+        if (full) throw std::runtime_error("disk full");
+        taken = chunk.step;
+      },
+      10, 1e9);
+  EXPECT_THROW(simulation.run(0.1), std::runtime_error);
+  EXPECT_EQ(simulation.steps(), 9);
+  EXPECT_EQ(recording->rows(), 10);
+  full = false;
+  recording->flush();
+  EXPECT_EQ(taken.size(), 10u);
+  EXPECT_EQ(recording->rows(), 0);
+}
+
+TEST(Recording, RefusesChunksWithoutRowsTimeOrSink) {
+  Recording recording;
+  const Recording::Sink sink = [](const Recording&) {};
+  expect_refusal([&] { recording.stream(nullptr, 1, 1.0); }, {"stream", "sink", "got none"});
+  expect_refusal([&] { recording.stream(sink, 0, 1.0); }, {"rows", "at least 1", "got 0"});
+  for (double seconds : {0.0, -1.0, std::nan("")})
+    expect_refusal([&] { recording.stream(sink, 1, seconds); }, {"seconds", "positive", "got"});
+}
+
+TEST(Recording, EveryColumnIsListedOnce) {
+  const auto r = record(crank(), 1, 1e-3, 1e-2);
+  std::set<std::string_view> names;
+  for (const Column& column : run_columns()) {
+    names.insert(column.name);
+    const long size =
+        std::visit([&](auto member) { return static_cast<long>(((*r).*member).size()); }, column.values);
+    const std::map<Column::Width, long> width = {{Column::Width::one, 1},
+                                                 {Column::Width::freedoms, 3},
+                                                 {Column::Width::gaps, 4},
+                                                 {Column::Width::rows, 8}};
+    EXPECT_EQ(size, r->rows() * width.at(column.width)) << column.name;
+  }
+  EXPECT_EQ(names.size(), run_columns().size());
 }
 
 TEST(Recording, RefusesAnIntervalBelowOne) {

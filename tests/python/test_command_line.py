@@ -44,13 +44,42 @@ def test_reproduce_prints_json_alone(tmp_path):
     assert [row["paper"] for row in fine] == [8.4e-4, 8.4e-4]
 
 
+def test_reproduce_all_writes_what_it_prints(tmp_path):
+    result = saltus("reproduce", "all", "--out", "paper", "--json", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    printed = json.loads(result.stdout)
+    figures = ["fig4", "fig5", "fig7", "fig8", "fig10", "fig11"]
+    assert list(printed) == ["table2", "table3", *figures]
+    out = tmp_path / "paper"
+    assert {path.name for path in out.iterdir()} == {
+        *(f"{name}.json" for name in printed),
+        *(f"{name}.png" for name in figures),
+    }
+    for name, content in printed.items():
+        assert json.loads((out / f"{name}.json").read_text()) == content
+    for name in figures:
+        assert (out / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert {"scheme", "quantity", "value", "unit"} == set(printed[name]["rows"][0])
+
+
+def test_reproduce_prints_the_numbers_behind_a_figure(tmp_path):
+    result = saltus("reproduce", "fig7", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("Figure 7: Normal gap functions of the slider")
+    for number in ("8.321e-05", "5.375e-05", "0.0003968"):
+        assert number in result.stdout
+    assert result.stdout.endswith("out/paper/fig7.png\n")
+    assert (tmp_path / "out/paper/fig7.png").exists()
+
+
 def test_errors_are_one_line(tmp_path):
     (tmp_path / "out").write_text("a file")
-    result = saltus("demo", cwd=tmp_path)
-    assert result.returncode == 1
-    assert result.stdout == ""
-    assert "cannot write into 'out/demo': expected a writable folder" in result.stderr
-    assert "Traceback" not in result.stderr
+    for command, folder in ((["demo"], "out/demo"), (["reproduce", "fig4"], "out/paper")):
+        result = saltus(*command, cwd=tmp_path)
+        assert result.returncode == 1
+        assert result.stdout == ""
+        assert f"cannot write into '{folder}': expected a writable folder" in result.stderr
+        assert "Traceback" not in result.stderr
 
 
 @pytest.mark.parametrize("arguments", [["reproduce", "table9"], ["nonsense"]])

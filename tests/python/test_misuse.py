@@ -222,7 +222,7 @@ def test_simulation_arguments_of_the_wrong_type():
 
 def test_links_stay_links_and_devices_devices(tmp_path):
     trajectory = sk.TimeStepping(ball(), "HalfExplicitTrapezoidalOSI", 1e-1).run(1.0)
-    (tmp_path / "real.h5").write_text("old")
+    (tmp_path / "real.h5").touch()
     (tmp_path / "link.h5").symlink_to(tmp_path / "real.h5")
     trajectory.to_hdf5(tmp_path / "link.h5")
     assert (tmp_path / "link.h5").is_symlink()

@@ -20,6 +20,13 @@ class Target(str, Enum):
 
     table2 = "table2"
     table3 = "table3"
+    fig4 = "fig4"
+    fig5 = "fig5"
+    fig7 = "fig7"
+    fig8 = "fig8"
+    fig10 = "fig10"
+    fig11 = "fig11"
+    all = "all"
 
 
 def _print_version(wanted: bool) -> None:
@@ -49,13 +56,14 @@ def demo(
 
 @app.command()
 def reproduce(
-    what: Annotated[Target, typer.Argument(help="What to reproduce of the paper.")],
+    what: Annotated[Target, typer.Argument(help="A table or figure of the paper, or all of them.")],
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("out/paper"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:
-    """Compute a table of the paper and print it beside the printed values."""
+    """Compute tables and figures of the paper, print their numbers, and keep them as JSON and PNG."""
     from saltus.cli.reproduce import run
 
-    run(what.value, as_json=json)
+    run(what.value, out, as_json=json)
 
 
 @app.command()

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -18,6 +13,7 @@ from rich.console import Console
 
 from saltus import plot
 from saltus.cli import reproduce
+from saltus.cli.out import require_writable, save, write_json
 from saltus.examples.slider_crank.convergence import Row
 from saltus.io import Trajectory
 
@@ -41,10 +37,8 @@ def run(out: Path) -> None:
     reproduce.print_table("table3", rows)
     finest = min((row for row in rows if row.scheme == SCHEME), key=lambda row: row.dt)
     finest.trajectory.to_hdf5(out / "slider_crank.h5")
-    (out / "table3.json").write_text(json.dumps(reproduce.to_json(rows), indent=2) + "\n")
-    figure = picture(finest.trajectory, rows)
-    figure.savefig(out / "slider_crank.png", dpi=130)
-    plt.close(figure)
+    write_json(reproduce.to_json(rows), out / "table3.json")
+    save(picture(finest.trajectory, rows), out / "slider_crank.png")
     console = Console(soft_wrap=True)
     for name, what in [
         ("slider_crank.png", "picture"),
@@ -52,18 +46,6 @@ def run(out: Path) -> None:
         ("table3.json", "the table above"),
     ]:
         console.print(f"{out / name}  {what}", highlight=False)
-
-
-def require_writable(out: Path) -> None:
-    """Make the folder and try it, before anything is computed."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".writable"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        reason = f"cannot write into '{out}': expected a writable folder, got: {error.strerror}"
-        raise OSError(error.errno or 0, reason) from error
 
 
 def picture(trajectory: Trajectory, rows: Sequence[Row]) -> Figure:

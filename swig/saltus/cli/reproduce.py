@@ -1,31 +1,95 @@
-"""``saltus reproduce``: tables of the paper, computed and printed beside the paper's values."""
+"""``saltus reproduce``: tables and figures of the paper, the tables beside the paper's values."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+from saltus.cli.out import require_writable, save, write_json
 from saltus.cli.progress import progress_bar
+from saltus.examples.ball_in_box import figures as ball_in_box
+from saltus.examples.figure import PaperFigure
 from saltus.examples.slider_crank import convergence
+from saltus.examples.slider_crank import figures as slider_crank
 from saltus.examples.slider_crank.convergence import Row
 
 TITLES = {
     "table2": "Table 2: bilateral slider crank until 0.1 s",
     "table3": "Table 3: slider crank with impacts and friction until 0.1 s",
 }
+FIGURES: dict[str, Callable[[], PaperFigure]] = {
+    "fig4": slider_crank.figure_4,
+    "fig5": slider_crank.figure_5,
+    "fig7": slider_crank.figure_7,
+    "fig8": slider_crank.figure_8,
+    "fig10": ball_in_box.figure_10,
+    "fig11": ball_in_box.figure_11,
+}
 
 
-def run(what: str, *, as_json: bool) -> None:
-    """Compute the table and print it."""
-    rows = compute(what)
+def run(what: str, out: Path, *, as_json: bool) -> None:
+    """Compute one table or figure, or all; print the numbers, and write them and the pictures.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written; nothing is computed then.
+    """
+    require_writable(out)
+    names = [*TITLES, *FIGURES] if what == "all" else [what]
+    results = {}
+    for name in names:
+        make = make_table if name in TITLES else make_figure
+        results[name] = make(name, out, as_json)
+        write_json(results[name], out / f"{name}.json")
     if as_json:
-        print(json.dumps(to_json(rows), indent=2))
-    else:
-        print_table(what, rows)
+        print(json.dumps(results if what == "all" else results[what], indent=2))
+
+
+def make_table(name: str, out: Path, quiet: bool) -> dict[str, Any]:
+    """Compute a table and print it."""
+    rows = compute(name)
+    if not quiet:
+        print_table(name, rows)
+        print_path(out / f"{name}.json")
+    return to_json(rows)
+
+
+def make_figure(name: str, out: Path, quiet: bool) -> dict[str, Any]:
+    """Draw a figure and print the numbers behind it."""
+    figure = FIGURES[name]()
+    save(figure.picture, out / f"{name}.png")
+    if not quiet:
+        print_figure(name, figure)
+        print_path(out / f"{name}.png")
+    return {"caption": figure.caption, "rows": [asdict(quantity) for quantity in figure.quantities]}
+
+
+def print_figure(name: str, figure: PaperFigure) -> None:
+    """Print to stdout: the caption, and the numbers of each scheme as a table."""
+    console = Console()
+    title = f"Figure {name.removeprefix('fig')}: {figure.caption}"
+    console.print(title, style="bold", highlight=False, soft_wrap=True)
+    for scheme in dict.fromkeys(row.scheme for row in figure.quantities):
+        grid = Table()
+        grid.add_column(scheme, no_wrap=True)
+        grid.add_column("value", justify="right", no_wrap=True)
+        grid.add_column("unit", no_wrap=True)
+        for row in figure.quantities:
+            if row.scheme == scheme:
+                grid.add_row(row.quantity, f"{row.value:.4g}", "" if row.unit == "1" else row.unit)
+        console.print(grid)
+
+
+def print_path(path: Path) -> None:
+    """Print where the result is."""
+    Console(soft_wrap=True).print(str(path), highlight=False)
 
 
 def compute(what: str) -> list[Row]:

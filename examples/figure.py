@@ -1,0 +1,61 @@
+"""What a figure of the paper shows, drawn again, and the numbers that can be read off it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from saltus import plot
+
+#: how the schemes are called in legends
+SHORT = {
+    "DMinusAccelerationOSI": "acceleration level",
+    "HalfExplicitTrapezoidalOSI": "velocity level",
+    "ExplicitMoreauJeanOSI": "explicit Moreau-Jean",
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number behind a figure."""
+
+    scheme: str
+    quantity: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of the paper: its caption, the numbers behind it and the picture."""
+
+    caption: str
+    quantities: tuple[Quantity, ...]
+    picture: Figure
+
+    def value(self, scheme: str, quantity: str) -> float:
+        """The number of that name. Raises KeyError if there is none."""
+        for entry in self.quantities:
+            if (entry.scheme, entry.quantity) == (scheme, quantity):
+                return entry.value
+        raise KeyError(f"no {quantity!r} of {scheme!r} in {self.caption!r}")
+
+
+@contextmanager
+def panels(titles: Sequence[str], heading: str, height: float = 2.4) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Panels over a common time axis, one below the other; what is drawn inside takes the house's style."""
+    with plt.rc_context(plot.STYLE):
+        size = (8, 0.6 + height * len(titles))
+        picture, axes = plt.subplots(
+            len(titles), 1, figsize=size, sharex=True, squeeze=False, layout="constrained"
+        )
+        picture.suptitle(heading)
+        column = list(axes[:, 0])
+        for ax, title in zip(column, titles, strict=True):
+            ax.set_title(title, loc="left")
+        column[-1].set_xlabel("time t [s]")
+        yield picture, column

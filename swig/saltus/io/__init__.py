@@ -1,0 +1,6 @@
+"""Results: a run as numpy arrays, in memory, in HDF5 files and as CSV."""
+
+from saltus.io.records import ContactRecord, Layout, Provenance, ShapeRecord
+from saltus.io.trajectory import Trajectory, read_hdf5
+
+__all__ = ["ContactRecord", "Layout", "Provenance", "ShapeRecord", "Trajectory", "read_hdf5"]

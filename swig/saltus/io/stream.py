@@ -1,0 +1,105 @@
+"""Runs that are written to a file while they go on."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from saltus._core import Recording
+from saltus.io.hdf5 import RunFile, chunk_rows
+from saltus.io.records import UNITS, Layout, Provenance, follow
+
+if TYPE_CHECKING:
+    from saltus.shapes import PlacedShape
+
+SECONDS = 1.0  #: at most between two chunks: what a killed process loses
+
+
+class Stream:
+    """A recording whose rows go to a file, in chunks of 4 MiB or of a second, and leave the memory then.
+
+    Parameters
+    ----------
+    path : of the file, which a run of Saltus there makes room for
+    recording : with the first row
+    layout, provenance, shapes : of the run
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written, FileExistsError if there is another file than a run.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        recording: Recording,
+        layout: Layout,
+        provenance: Provenance,
+        shapes: Sequence[PlacedShape],
+    ) -> None:
+        first = recording.columns()
+        placed = follow(shapes, layout, first["q"])
+        chunk = chunk_rows(first)
+        file = RunFile(path, layout, provenance, first, placed, chunk)
+
+        def write(start: int, columns: Mapping[str, Any]) -> None:
+            poses = [shape.poses for shape in follow(shapes, layout, columns["q"])]
+            file.write(start, columns, poses)
+
+        try:
+            recording.stream(write, chunk, SECONDS)
+            recording.flush()
+            file.publish()
+        except BaseException:
+            file.discard()
+            raise
+        self._recording, self._file = recording, file
+        # the rows of steps taken one by one are complete when the simulation, or the program, is
+        weakref.finalize(self, _finish, recording, file)
+
+    @property
+    def rows(self) -> int:
+        """Those in the file, and those still in memory."""
+        return self._recording.handed_on + self._recording.rows
+
+    def columns(self) -> Mapping[str, Any]:
+        """All columns; each is read from the file when it is asked for."""
+        self._recording.flush()
+        return FileColumns(self._file, self.rows)
+
+    def close(self) -> None:
+        """Write what is left and close the file; a further step opens it again."""
+        _finish(self._recording, self._file)
+
+
+class FileColumns(Mapping[str, Any]):
+    """Columns in a file."""
+
+    def __init__(self, file: RunFile, rows: int) -> None:
+        self._file, self._rows = file, rows
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in UNITS:
+            raise KeyError(name)
+        return self._file.read(name, self._rows)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(UNITS)
+
+    def __len__(self) -> int:
+        return len(UNITS)
+
+
+def _finish(recording: Recording, file: RunFile) -> None:
+    if file.failed:  # that was said already, and would fail again
+        with contextlib.suppress(OSError):
+            file.close()
+        return
+    try:
+        recording.flush()
+    finally:
+        file.close()

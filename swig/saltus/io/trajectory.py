@@ -1,0 +1,206 @@
+"""A run as numpy arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from saltus.io.csv import write_csv
+from saltus.io.hdf5 import read_run, write_run
+from saltus.io.records import (
+    CONTACT_COLUMNS,
+    ContactRecord,
+    Layout,
+    Provenance,
+    Rows,
+    ShapeRecord,
+    follow,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from saltus.shapes import PlacedShape
+    from saltus.typing import BoolArray, FloatArray, IntArray
+
+
+class Trajectory:
+    """A run: row 0 is the initial state with zero reactions, row k the step that ends at t[k].
+
+    ``trajectory["floor"]`` is the record of the contact of that name. While a simulation goes on, its
+    trajectory grows with it.
+    """
+
+    def __init__(
+        self,
+        source: Rows,
+        layout: Layout,
+        provenance: Provenance,
+        shapes: Sequence[PlacedShape | ShapeRecord] = (),
+    ) -> None:
+        self._source = source
+        self._columns: Mapping[str, Any] = {}
+        self._rows = -1  # of these columns
+        self._shapes = tuple(shapes)
+        self.layout = layout
+        self.provenance = provenance
+
+    def columns(self) -> Mapping[str, Any]:
+        """All columns, name: array with one entry or row for each row of the run."""
+        if self._rows != self._source.rows:
+            self._columns, self._rows = self._source.columns(), self._source.rows
+        return self._columns
+
+    def __len__(self) -> int:
+        return self._source.rows
+
+    def __getitem__(self, name: str) -> ContactRecord:
+        try:
+            slot = self.layout.contacts[name]
+        except KeyError:
+            known = ", ".join(self.layout.contacts) or "none"
+            raise KeyError(f"no contact named {name!r}, there are {known}") from None
+        columns = self.columns()
+        rows = slice(slot.row, slot.row + slot.rows)
+        gaps = slice(slot.gap, slot.gap + slot.gaps)
+        parts = {key: columns[key][:, gaps if key == "gap" else rows] for key in CONTACT_COLUMNS}
+        return ContactRecord(name, **parts)
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """Names of the contacts."""
+        return tuple(self.layout.contacts)
+
+    @property
+    def t(self) -> FloatArray:
+        """Times (rows,) [s]."""
+        return self._float("t")
+
+    @property
+    def step(self) -> IntArray:
+        """Number of the step of each row (rows,)."""
+        column: IntArray = self.columns()["step"]
+        return column
+
+    @property
+    def q(self) -> FloatArray:
+        """Positions (rows, n) of all systems, one after the other."""
+        return self._float("q")
+
+    @property
+    def v(self) -> FloatArray:
+        """Velocities v⁺ (rows, n)."""
+        return self._float("v")
+
+    @property
+    def impulsive(self) -> BoolArray:
+        """Was the impact law applied in the step, under Moreau-Jean: did an impulse act? (rows,)."""
+        column: BoolArray = self.columns()["impulsive"]
+        return column
+
+    @property
+    def closed(self) -> IntArray:
+        """Number of closed contacts at the end of the step (rows,)."""
+        column: IntArray = self.columns()["closed"]
+        return column
+
+    @property
+    def residual(self) -> FloatArray:
+        """Largest certificate of the step's contact problems (rows,) [m/s]."""
+        return self._float("residual")
+
+    @property
+    def penetration(self) -> FloatArray:
+        """Largest -g of the unilateral contacts, or 0 (rows,) [m]."""
+        return self._float("penetration")
+
+    @property
+    def kinetic_energy(self) -> FloatArray:
+        """½ vᵀMv (rows,) [J]."""
+        return self._float("kinetic_energy")
+
+    @property
+    def potential_energy(self) -> FloatArray:
+        """V (rows,) [J], NaN if a system does not define it."""
+        return self._float("potential_energy")
+
+    @property
+    def energy(self) -> FloatArray:
+        """Kinetic and potential energy together (rows,) [J]."""
+        return self.kinetic_energy + self.potential_energy
+
+    @property
+    def work_forces(self) -> FloatArray:
+        """Work of the applied forces in the step, of h and of the change of M (rows,) [J]."""
+        return self._float("work_forces")
+
+    @property
+    def work_lambda(self) -> FloatArray:
+        """Work of λ⁺ and λ⁻ in the step (rows,) [J]."""
+        return self._float("work_lambda")
+
+    @property
+    def work_impulse(self) -> FloatArray:
+        """Work of Λ in the step (rows,) [J], exactly the jump of the kinetic energy."""
+        return self._float("work_impulse")
+
+    @property
+    def shapes(self) -> list[ShapeRecord]:
+        """The systems' shapes with their poses in every row."""
+        return follow(self._shapes, self.layout, self.q)
+
+    def plot(self) -> Figure:
+        """Draw positions, gaps, forces, impulses and energy over time; impacts are marked."""
+        from saltus.plot import plot_trajectory
+
+        return plot_trajectory(self)
+
+    def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
+        """Write all columns with units, shapes and provenance; an existing run is replaced as a whole.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written, FileExistsError if there is another file than a run; what was
+            there is untouched.
+        """
+        return write_run(path, self._source, self.layout, self.provenance, self.shapes)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write all columns as text (RFC 4180), an existing file is replaced as a whole.
+
+        The first line has names and units, ``t [s],step [1],q0 [m or rad],...,floor.impulse0 [N s],...``;
+        a contact's normal row is 0. Numbers read back are the same to the last bit.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; what was there is untouched.
+        """
+        return write_csv(path, self._source, self.layout)
+
+    def __repr__(self) -> str:
+        count = len(self)
+        span = f"t = {self.t[0]:g} ... {self.t[-1]:g} s" if count else "empty"
+        return f"<Trajectory {self.provenance.integrator}: {count} rows, {span}>"
+
+    def _float(self, name: str) -> FloatArray:
+        column: FloatArray = self.columns()[name]
+        return column
+
+
+def read_hdf5(path: str | os.PathLike[str]) -> Trajectory:
+    """Read a run from a file, also one that is still being written or whose writer was killed.
+
+    Nothing in the file is executed.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read or is not an HDF5 file.
+    ValueError
+        If it holds something else than a run of Saltus, or one of another format.
+    """
+    return Trajectory(*read_run(path))
