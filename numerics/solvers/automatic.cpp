@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "saltus/numerics/solvers/one_contact.hpp"
+
 namespace saltus {
 namespace {
 
@@ -48,7 +50,7 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   if (improved_by(newton_, trial_.data())) return best;
   std::fill_n(trial_.data(), rows, 0.0);
   if (enumeration_.accepts(problem) && improved_by(enumeration_, trial_.data())) return best;
-  if (improved_by(lemke_, trial_.data())) return best;
+  if (lemke_.accepts(problem) && improved_by(lemke_, trial_.data())) return best;
   // Sweeps come near a solution, Newton's method makes it exact: in turn, until both agree.
   sweeps_P_.resize(rows);
   std::fill_n(sweeps_P_.data(), rows, 0.0);

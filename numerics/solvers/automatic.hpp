@@ -7,12 +7,12 @@
 namespace saltus {
 
 /// The default: Newton from the warm start; if that ends nowhere, Newton from P = 0, enumeration where
-/// the problem is small enough, Lemke's method, and Newton in turn with Gauss-Seidel sweeps. The report names
+/// the problem is small enough, Lemke's method where friction is plane, and Newton in turn with Gauss-Seidel sweeps. The report names
 /// the method that answered; a failure keeps the P with the smallest residual.
 class Automatic final : public ContactSolver {
  public:
   std::string_view name() const override { return "auto"; }
-  bool accepts(const ContactProblem& problem) const override { return newton_.accepts(problem); }
+  bool accepts(const ContactProblem&) const override { return true; }
   void reserve(int rows) override;
   SolveReport solve(const ContactProblem& problem, double* P) override;
   std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<Automatic>(); }

@@ -17,12 +17,11 @@ std::unique_ptr<ContactSolver> make() {
 
 const std::vector<SolverEntry>& contact_solvers() {
   static const std::vector<SolverEntry> table = {
-      {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on",
-       make<Automatic>},
-      {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
+      {"auto", "semismooth Newton, with enumeration, Lemke and sweeps to fall back on", make<Automatic>},
+      {"semismooth-newton", "Newton on the prox equations", make<SemismoothNewton>},
       {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
       {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
-      {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
+      {"nsgs", "nonsmooth Gauss-Seidel sweeps, each contact solved exactly", make<Nsgs>},
   };
   return table;
 }
