@@ -4,6 +4,7 @@
 
 #include "saltus/numerics/solvers/automatic.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
+#include "saltus/numerics/solvers/prox_fixed_point.hpp"
 
 namespace saltus {
 namespace {
@@ -22,6 +23,8 @@ const std::vector<SolverEntry>& contact_solvers() {
       {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
       {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
       {"nsgs", "nonsmooth Gauss-Seidel sweeps, each contact solved exactly", make<Nsgs>},
+      {"prox-fixed-point", "projected sweeps, P <- prox(P - r xi), steps adapt to the residual",
+       make<ProxFixedPoint>},
   };
   return table;
 }
