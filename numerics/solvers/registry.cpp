@@ -20,6 +20,7 @@ const std::vector<SolverEntry>& contact_solvers() {
   static const std::vector<SolverEntry> table = {
       {"auto", "semismooth Newton, with enumeration, Lemke and sweeps to fall back on", make<Automatic>},
       {"semismooth-newton", "Newton on the prox equations", make<SemismoothNewton>},
+      {"subset-newton", "Newton on every subset of the contacts, up to ten", make<SubsetNewton>},
       {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
       {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
       {"nsgs", "nonsmooth Gauss-Seidel sweeps, each contact solved exactly", make<Nsgs>},

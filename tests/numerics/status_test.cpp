@@ -105,6 +105,17 @@ TEST(Solvers, EnumerationKnowsItsLimit) {
   EXPECT_FALSE(enumeration->accepts(many(400, NonNegative{})));  // the count itself must not overflow
 }
 
+TEST(Solvers, SubsetsAreThoseOfTenContactsAtMost) {
+  const auto many = [](int n, ContactSet set) {
+    const int rows = n * rows_of(set);
+    return problem_of(Matrix::Identity(rows, rows), Vec::Zero(rows), std::vector<ContactSet>(n, set));
+  };
+  const auto subsets = make_contact_solver("subset-newton");
+  EXPECT_TRUE(subsets->accepts(many(10, Coulomb{0.1, 3})));
+  EXPECT_FALSE(subsets->accepts(many(11, NonNegative{})));
+  EXPECT_TRUE(subsets->accepts(many(40, Equality{})));
+}
+
 TEST(Solvers, NamesAndClones) {
   std::set<std::string> names;
   for (const SolverEntry& entry : contact_solvers()) {
