@@ -6,8 +6,11 @@
 namespace saltus {
 namespace {
 
-// A bracket is halved at worst: enough for the exponent and all bits of a double.
-constexpr int most_bisections = 100;
+// A bracket is halved at worst.
+constexpr int most_bisections = 60;
+// Roots in t only have to be near: f itself polishes them, and its turning points are candidates too, so that
+// roots this close to each other are not missed.
+constexpr double near = 1e-8;
 constexpr int polishing_steps = 2;
 // The corners of a pentagon: these values determine f, so it is large at one of them.
 constexpr Direction corners[] = {{1.0, 0.0},
@@ -33,7 +36,7 @@ double bracketed_root(const double* c, const double* derivative, int n, double l
     ((p < 0.0) == rising ? low : high) = t;
     double next = t - p / evaluate(derivative, n - 1, t);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (next == t || next == low || next == high) return next;
+    if (std::abs(next - t) <= near * (1.0 + std::abs(t))) return next;
     t = next;
   }
   return t;
