@@ -82,7 +82,7 @@ Triple nearest(const Block& G, const Triple& y) {
 bool ContactInSpace::stick(double* P) const {
   const Triple x = nearest(G_, -c_);
   if (!(x[0] >= 0.0 && std::hypot(x[1], x[2]) <= mu_ * x[0])) return false;
-  const Triple size = G_.cwiseAbs() * x.cwiseAbs() + c_.cwiseAbs();
+  const Triple size = G_.cwiseAbs() * x.cwiseAbs() + c_.cwiseAbs();  // least squares may leave a velocity
   if (!((G_ * x + c_).norm() <= singular * size.norm())) return false;
   std::copy_n(x.data(), 3, P);
   return true;
