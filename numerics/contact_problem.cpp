@@ -1,5 +1,6 @@
 #include "saltus/numerics/contact_problem.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -7,6 +8,13 @@
 #include "saltus/numerics/text.hpp"
 
 namespace saltus {
+
+bool only_plane_friction(const ContactProblem& problem) {
+  return std::all_of(problem.sets.begin(), problem.sets.end(), [](const ContactSet& set) {
+    const auto* law = std::get_if<Coulomb>(&set);
+    return !law || law->dim == 2;
+  });
+}
 
 void validate(const ContactProblem& problem) {
   const int rows = problem.rows();

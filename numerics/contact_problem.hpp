@@ -35,6 +35,9 @@ struct ContactProblem {
   int contacts() const { return static_cast<int>(sets.size()); }
 };
 
+/// Has every Coulomb contact the dim 2? Then the laws are piecewise linear.
+bool only_plane_friction(const ContactProblem& problem);
+
 /// @throws std::invalid_argument if the sizes of G, b and the sets disagree, a set is not a set
 ///         (mu < 0, dim not 2 or 3) or a value is not finite
 void validate(const ContactProblem& problem);

@@ -63,7 +63,7 @@ void bind_numerics(py::module_& module) {
   py::class_<Solution>(module, "ContactSolution", "What a contact solver found, and its certificate.")
       .def_readonly("P", &Solution::P, "(rows,) impulses [N s]")
       .def_readonly("xi", &Solution::xi, "(rows,) G P + b [m/s]")
-      .def_readonly("status", &Solution::status, "'solved', 'iteration-limit' or 'breakdown'")
+      .def_readonly("status", &Solution::status, "'solved', 'ray', 'iteration-limit' or 'breakdown'")
       .def_readonly("solver", &Solution::solver, "the method that answered")
       .def_readonly("residual", &Solution::residual, "natural map, computed outside the solver [m/s]")
       .def_readonly("scale", &Solution::scale, "size of the terms in G P + b [m/s]")

@@ -3,51 +3,94 @@
 #include <algorithm>
 
 namespace saltus {
+namespace {
 
-bool ActiveSet::accepts(const ContactProblem& problem) {
-  return std::all_of(problem.sets.begin(), problem.sets.end(), [](const ContactSet& set) {
-    const auto* law = std::get_if<Coulomb>(&set);
-    return !law || law->dim == 2;
-  });
+// Components along the tangents to those along e and e', the direction turned by a right angle
+void turn_pair(double& first, double& second, Direction e) {
+  const double along = e.cosine * first + e.sine * second;
+  second = e.cosine * second - e.sine * first;
+  first = along;
 }
+
+}  // namespace
 
 void ActiveSet::reserve(int rows) {
   modes_.reserve(rows);
+  slips_.reserve(rows);
   unknowns_.reserve(rows);
+  slides_.reserve(rows);
+  turned_G_.reserve(rows, rows);
+  turned_b_.reserve(rows);
   linear_.reserve(rows);
 }
 
 void ActiveSet::solve(const ContactProblem& problem, double* P) {
+  choose_unknowns(problem);
+  if (slides_.empty()) return solve_in_frame(problem.G, problem.b, P);
+  turn(problem, P);
+  solve_in_frame(turned_G_, turned_b_, P);
+  for (const Slide& slide : slides_) {
+    const Direction e = slide.slip.direction;
+    turn_pair(P[slide.row + 1], P[slide.row + 2], {e.cosine, -e.sine});
+  }
+}
+
+void ActiveSet::choose_unknowns(const ContactProblem& problem) {
   unknowns_.clear();
+  slides_.clear();
   int row = 0;
   for (int k = 0; k < problem.contacts(); ++k) {
     const auto* law = std::get_if<Coulomb>(&problem.sets[k]);
     if (modes_[k] == Mode::closed) {
       unknowns_.push_back({row, 0.0});
       if (law) unknowns_.push_back({row + 1, 0.0});
+      if (law && law->dim == 3) unknowns_.push_back({row + 2, 0.0});
+    } else if (modes_[k] == Mode::slip_space) {
+      unknowns_.push_back({row, law->mu});
+      unknowns_.push_back({row + 2, 0.0});
+      slides_.push_back({row, static_cast<int>(unknowns_.size()) - 1, slips_[k]});
     } else if (modes_[k] != Mode::open) {
       unknowns_.push_back({row, modes_[k] == Mode::slip_plus ? law->mu : -law->mu});
     }
     row += rows_of(problem.sets[k]);
   }
+}
+
+void ActiveSet::turn(const ContactProblem& problem, double* P) {
+  turned_G_ = problem.G;
+  turned_b_ = problem.b;
+  for (const Slide& slide : slides_) {
+    const Direction e = slide.slip.direction;
+    const int first = slide.row + 1, second = slide.row + 2;
+    for (int j = 0; j < problem.rows(); ++j) turn_pair(turned_G_(first, j), turned_G_(second, j), e);
+    for (int i = 0; i < problem.rows(); ++i) turn_pair(turned_G_(i, first), turned_G_(i, second), e);
+    turn_pair(turned_b_[first], turned_b_[second], e);
+    turn_pair(P[first], P[second], e);
+  }
+}
+
+void ActiveSet::solve_in_frame(const PoolMatrix& G, const PoolVec& b, double* P) {
   const int n = static_cast<int>(unknowns_.size());
   linear_.resize(n);
   for (int i = 0; i < n; ++i) {
-    const double* G = problem.G.row(unknowns_[i].row);
+    const double* row = G.row(unknowns_[i].row);
     for (int j = 0; j < n; ++j) {
       const auto [column, slip] = unknowns_[j];
-      linear_.A()(i, j) = slip == 0.0 ? G[column] : G[column] + slip * G[column + 1];
+      linear_.A()(i, j) = slip == 0.0 ? row[column] : row[column] + slip * row[column + 1];
     }
-    linear_.y()[i] = -problem.b[unknowns_[i].row];
+    linear_.y()[i] = -b[unknowns_[i].row];
     linear_.start()[i] = P[unknowns_[i].row];
   }
-  const double* x = linear_.solve();
-  std::fill_n(P, problem.rows(), 0.0);
-  for (int j = 0; j < n; ++j) {
-    const auto [column, slip] = unknowns_[j];
-    P[column] = x[j];
-    if (slip != 0.0) P[column + 1] = slip * x[j];
+  for (const auto& [_, unknown, slip] : slides_) {
+    for (int j = 0; j < n; ++j) linear_.A()(unknown, j) *= slip.ratio;
+    linear_.A()(unknown, unknown) += slip.shift;
+    linear_.y()[unknown] *= slip.ratio;
   }
+  const double* x = linear_.solve();
+  std::fill_n(P, G.rows(), 0.0);
+  for (int j = 0; j < n; ++j) P[unknowns_[j].row] = x[j];
+  for (const auto& [row, slip] : unknowns_)
+    if (slip != 0.0) P[row + 1] = slip * P[row];
 }
 
 }  // namespace saltus

@@ -3,6 +3,7 @@
 
 #include "saltus/numerics/contact_problem.hpp"
 #include "saltus/numerics/linear/dense_solve.hpp"
+#include "saltus/numerics/solvers/angle_polynomial.hpp"
 
 namespace saltus {
 
@@ -11,19 +12,27 @@ namespace saltus {
 enum class Mode : unsigned char {
   open,        ///< P = 0
   closed,      ///< xi = 0 in all rows: Equality, NonNegative, Coulomb sticking
-  slip_plus,   ///< Coulomb: xi_N = 0, P_T = +mu P_N
-  slip_minus,  ///< Coulomb: xi_N = 0, P_T = -mu P_N
+  slip_plus,   ///< Coulomb in the plane: xi_N = 0, P_T = +mu P_N
+  slip_minus,  ///< Coulomb in the plane: xi_N = 0, P_T = -mu P_N
+  slip_space,  ///< Coulomb in space: xi_N = 0, and the Slip of the contact
+};
+
+/// The projection on the disc of radius mu P_N, linearised where its argument points outside along e:
+///   e·P_T = mu P_N,  shift e'·P_T + ratio e'·xi_T = 0,  e' ⟂ e.
+struct Slip {
+  Direction direction;  ///< e
+  double ratio = 0.0;   ///< radius of the disc over the length of the argument, in [0, 1]
+  double shift = 1.0;   ///< d (1 - ratio) [1/kg], d of certify()
 };
 
 /// Solves the linear equations that belong to a choice of modes.
 class ActiveSet {
  public:
-  /// Only plane friction: in space the direction of slip is an unknown of its own.
-  static bool accepts(const ContactProblem& problem);
-
   void reserve(int rows);
   /// The modes, one a contact, to be chosen before solve().
   std::vector<Mode>& modes() { return modes_; }
+  /// The slips, one a contact: only those in the mode slip_space are read.
+  std::vector<Slip>& slips() { return slips_; }
   /// P that satisfies the equations of modes(); where contacts depend on each other, the nearest to the P
   /// that comes in, so that a P which is almost right stays so.
   /// @param[in,out] P (rows) [N s]
@@ -35,9 +44,24 @@ class ActiveSet {
     int row;
     double slip;
   };
+  // A contact that slides in space. With tangents along e and e' it is a plane one that slides along e,
+  // and the tangential component along e' is an unknown more.
+  struct Slide {
+    int row;      // of its normal
+    int unknown;  // of the component along e'
+    Slip slip;
+  };
+
+  void choose_unknowns(const ContactProblem& problem);
+  void turn(const ContactProblem& problem, double* P);
+  void solve_in_frame(const PoolMatrix& G, const PoolVec& b, double* P);
 
   std::vector<Mode> modes_;
+  std::vector<Slip> slips_;
   std::vector<Unknown> unknowns_;
+  std::vector<Slide> slides_;
+  PoolMatrix turned_G_;  // in the frames of the slides
+  PoolVec turned_b_;
   DenseSolve linear_;
 };
 

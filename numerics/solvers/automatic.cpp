@@ -1,6 +1,9 @@
 #include "saltus/numerics/solvers/automatic.hpp"
 
 #include <algorithm>
+#include <initializer_list>
+
+#include "saltus/numerics/solvers/one_contact.hpp"
 
 namespace saltus {
 namespace {
@@ -13,6 +16,8 @@ void Automatic::reserve(int rows) {
   newton_.reserve(rows);
   enumeration_.reserve(rows);
   lemke_.reserve(rows);
+  subsets_.reserve(rows);
+  prox_.reserve(rows);
   sweeps_.reserve(rows);
   trial_.reserve(rows);
   sweeps_P_.reserve(rows);
@@ -36,6 +41,7 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
 
   const int rows = problem.rows();
   trial_.resize(rows);
+  sweeps_P_.resize(rows);
   auto improved_by = [&](ContactSolver& method, double* start) {
     const SolveReport report = method.solve(problem, start);
     if (report.status == SolveStatus::solved || report.certificate.residual < best.certificate.residual) {
@@ -44,19 +50,22 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
     }
     return best.status == SolveStatus::solved;
   };
-  std::fill_n(trial_.data(), rows, 0.0);
-  if (improved_by(newton_, trial_.data())) return best;
-  std::fill_n(trial_.data(), rows, 0.0);
-  if (enumeration_.accepts(problem) && improved_by(enumeration_, trial_.data())) return best;
-  if (improved_by(lemke_, trial_.data())) return best;
-  // Sweeps come near a solution, Newton's method makes it exact: in turn, until both agree.
-  sweeps_P_.resize(rows);
-  std::fill_n(sweeps_P_.data(), rows, 0.0);
-  for (int round = 0; round < most_rounds; ++round) {
-    if (improved_by(sweeps_, sweeps_P_.data())) return best;
-    std::copy_n(sweeps_P_.data(), rows, trial_.data());
-    if (improved_by(newton_, trial_.data())) return best;
+  for (ContactSolver* method :
+       std::initializer_list<ContactSolver*>{&newton_, &enumeration_, &lemke_, &subsets_}) {
+    std::fill_n(trial_.data(), rows, 0.0);
+    if (method->accepts(problem) && improved_by(*method, trial_.data())) return best;
   }
+  // Sweeps come near a solution, Newton's method makes it exact.
+  auto improved_by_both = [&](ContactSolver& method) {
+    if (improved_by(method, sweeps_P_.data())) return true;
+    std::copy_n(sweeps_P_.data(), rows, trial_.data());
+    return improved_by(newton_, trial_.data());
+  };
+  std::fill_n(sweeps_P_.data(), rows, 0.0);
+  if (improved_by_both(prox_)) return best;
+  std::fill_n(sweeps_P_.data(), rows, 0.0);
+  for (int round = 0; round < most_rounds; ++round)
+    if (improved_by_both(sweeps_)) return best;
   return best;
 }
 

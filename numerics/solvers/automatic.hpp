@@ -2,17 +2,19 @@
 #include "saltus/numerics/solvers/enumeration.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
 #include "saltus/numerics/solvers/nsgs.hpp"
-#include "saltus/numerics/solvers/semismooth_newton.hpp"
+#include "saltus/numerics/solvers/prox_fixed_point.hpp"
+#include "saltus/numerics/solvers/subset_newton.hpp"
 
 namespace saltus {
 
-/// The default: Newton from the warm start; if that ends nowhere, Newton from P = 0, enumeration where
-/// the problem is small enough, Lemke's method, and Newton in turn with Gauss-Seidel sweeps. The report names
-/// the method that answered; a failure keeps the P with the smallest residual.
+/// The default: one contact in closed form, several by Newton's method from the warm start. If that ends
+/// nowhere, in turn: Newton from P = 0, enumeration and Lemke's method where friction is plane, Newton on
+/// subsets of the contacts, the prox fixed point and Newton from its end, Gauss-Seidel sweeps and Newton
+/// alternating. The report names the method that answered; a failure keeps the P with the smallest residual.
 class Automatic final : public ContactSolver {
  public:
   std::string_view name() const override { return "auto"; }
-  bool accepts(const ContactProblem& problem) const override { return newton_.accepts(problem); }
+  bool accepts(const ContactProblem&) const override { return true; }
   void reserve(int rows) override;
   SolveReport solve(const ContactProblem& problem, double* P) override;
   std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<Automatic>(); }
@@ -23,6 +25,8 @@ class Automatic final : public ContactSolver {
   SemismoothNewton newton_;
   Enumeration enumeration_;
   Lemke lemke_;
+  SubsetNewton subsets_;
+  ProxFixedPoint prox_{2000};
   Nsgs sweeps_{100};
   PoolVec trial_, sweeps_P_, xi_;
 };

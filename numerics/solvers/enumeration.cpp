@@ -27,7 +27,7 @@ long combinations(const ContactProblem& problem) {
 }  // namespace
 
 bool Enumeration::accepts(const ContactProblem& problem) const {
-  return ActiveSet::accepts(problem) && combinations(problem) <= most_combinations;
+  return only_plane_friction(problem) && combinations(problem) <= most_combinations;
 }
 
 void Enumeration::reserve(int rows) {

@@ -2,11 +2,9 @@
 
 #include <Eigen/QR>
 
-#include "saltus/numerics/solvers/active_set.hpp"
-
 namespace saltus {
 
-bool Lemke::accepts(const ContactProblem& problem) const { return ActiveSet::accepts(problem); }
+bool Lemke::accepts(const ContactProblem& problem) const { return only_plane_friction(problem); }
 
 void Lemke::reserve(int rows) {
   xi_.reserve(rows);

@@ -3,6 +3,7 @@
 #include "saltus/numerics/registry.hpp"
 #include "saltus/numerics/solvers/automatic.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
+#include "saltus/numerics/solvers/prox_fixed_point.hpp"
 
 namespace saltus {
 namespace {
@@ -17,12 +18,14 @@ Registry<SolverEntry>& table() {
   static auto& registry = *new Registry<SolverEntry>(
       "contact solver", "saltus_contact_solver_",
       {
-          {"auto", "semismooth Newton, with enumeration and Gauss-Seidel sweeps to fall back on",
-           make<Automatic>},
-          {"semismooth-newton", "Newton on the prox equations, plane friction", make<SemismoothNewton>},
+          {"auto", "semismooth Newton, with enumeration, Lemke and sweeps to fall back on", make<Automatic>},
+          {"semismooth-newton", "Newton on the prox equations", make<SemismoothNewton>},
+          {"subset-newton", "Newton on every subset of the contacts, up to ten", make<SubsetNewton>},
           {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
           {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
-          {"nsgs", "nonsmooth Gauss-Seidel sweeps, plane friction", make<Nsgs>},
+          {"nsgs", "nonsmooth Gauss-Seidel sweeps, each contact solved exactly", make<Nsgs>},
+          {"prox-fixed-point", "projected sweeps, P <- prox(P - r xi), steps adapt to the residual",
+           make<ProxFixedPoint>},
       });
   return registry;
 }

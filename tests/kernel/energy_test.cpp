@@ -8,6 +8,7 @@
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
+#include "support/spatial_models.hpp"
 
 namespace saltus::test {
 namespace {
@@ -61,11 +62,14 @@ class EnergyOfFriction : public Energy {};
 
 TEST_P(EnergyOfFriction, WorksExplainTheKineticEnergyInSliding) {
   const std::vector<double> dt = {1e-3, 5e-4, 2.5e-4};
-  std::vector<double> sliding;
-  for (double h : dt)
-    sliding.push_back(
-        std::abs(unexplained(rows_of_run(make_bowl(0.3), *make_integrator(GetParam()), h, 0.25))));
-  EXPECT_TRUE(vanishes(dt, sliding, scheme_entry(GetParam()).properties.order_sliding));
+  const Sledge sledge{
+      .position = vec({0.3, 0.0}), .velocity = vec({1.0, 2.0}), .mu = 0.2, .stiffness = vec({20.0, 60.0})};
+  for (const NonSmoothDynamicalSystem& model : {make_bowl(0.3), make_sledge(sledge)}) {
+    std::vector<double> sliding;
+    for (double h : dt)
+      sliding.push_back(std::abs(unexplained(rows_of_run(model, *make_integrator(GetParam()), h, 0.25))));
+    EXPECT_TRUE(vanishes(dt, sliding, scheme_entry(GetParam()).properties.order_sliding));
+  }
 }
 
 TEST_P(Energy, KineticEnergyIsThatOfTheState) {

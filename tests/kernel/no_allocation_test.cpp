@@ -9,6 +9,7 @@
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
+#include "support/spatial_models.hpp"
 
 namespace {
 
@@ -116,6 +117,15 @@ TEST_P(NoAllocation, ContactsThatDependOnEachOther) {
     model.link(linear_contact(H, vec({0.0, 0.0}), law, name), *block);
   const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
   EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.closed, 500);
+}
+
+// Twelve rows of rank six: sliding, sticking, impacts and the sharing of loads, all in space.
+TEST_P(NoAllocation, ATableOnFourFeet) {
+  const auto model = make_table(0.02, vec({1.0, 0.5, 0.0, 0.1, 0.2, 3.0}), mu_taken_by(GetParam(), 0.3), 0.3);
+  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.impacts, 5);
   EXPECT_GT(counted.closed, 500);
 }
 

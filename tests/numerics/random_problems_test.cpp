@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <sstream>
 
 #include "saltus/numerics/solvers/registry.hpp"
@@ -68,6 +69,122 @@ INSTANTIATE_TEST_SUITE_P(
                     Family{"badly_scaled", {.scale_spread = 3.0}, 10000},
                     Family{"frictionless", {.dependent = 1, .friction = false}, 2000}),
     [](const auto& test) { return std::string(test.param.name); });
+
+// Friction in space has no enumeration to compare with: what mechanics makes, symmetric and with b in the
+// range of G, has a solution, and the default must find it; of the harder ones nearly all.
+struct SpatialFamily {
+  const char* name;
+  ProblemKind kind;
+  double share;
+};
+
+void PrintTo(const SpatialFamily& family, std::ostream* out) { *out << family.name; }
+
+class SpatialProblems : public testing::TestWithParam<SpatialFamily> {};
+
+TEST_P(SpatialProblems, TheDefaultSolves) {
+  std::mt19937 random(20150615);
+  const auto solver = make_contact_solver("auto");
+  solver->reserve(20);
+  const int count = 2000;
+  int solved = 0;
+  for (int k = 0; k < count; ++k) {
+    const ContactProblem problem = random_problem(random, GetParam().kind);
+    ASSERT_NO_THROW(validate(problem));
+    std::vector<double> P(problem.rows(), 0.0);
+    if (solver->solve(problem, P.data()).status != SolveStatus::solved) continue;
+    ++solved;
+    ASSERT_LE(violation(problem, P), 1e-11 * terms(problem, P)) << "problem " << k << "\n" << dump(problem);
+  }
+  EXPECT_GE(solved, GetParam().share * count);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Families, SpatialProblems,
+    testing::Values(
+        SpatialFamily{"regular", {.space = 1.0, .largest_mu = 1.5}, 1.0},
+        SpatialFamily{"beside_plane_friction", {.space = 0.5, .largest_mu = 1.5}, 1.0},
+        SpatialFamily{"unsymmetric", {.moved = 1e-2, .space = 1.0, .largest_mu = 1.5}, 1.0},
+        SpatialFamily{"dependent", {.dependent = 2, .space = 1.0, .largest_mu = 1.5}, 1.0},
+        SpatialFamily{"without_friction", {.dependent = 1, .space = 1.0, .largest_mu = 0.0}, 1.0},
+        SpatialFamily{"dependent_unsymmetric",
+                      {.dependent = 2, .moved = 1e-6, .space = 1.0, .largest_mu = 1.5, .equalities = false},
+                      0.99},
+        SpatialFamily{"badly_scaled", {.scale_spread = 3.0, .space = 1.0, .largest_mu = 1.5}, 0.99}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+bool well_conditioned(const ContactProblem& problem) {
+  const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix>(problem.G.view()).eigenvalues();
+  return eigenvalues[0] >= 1e-2 * eigenvalues[problem.rows() - 1];
+}
+
+TEST(UniqueProblems, WithLittleFrictionInSpaceEverySolverFindsTheSameVelocities) {
+  // Little friction is a small change of a strictly convex problem: the solution is still the only one.
+  std::mt19937 random(6);
+  const auto reference_solver = make_contact_solver("auto");
+  reference_solver->reserve(20);
+  for (int k = 0; k < 300;) {
+    const ContactProblem problem = random_problem(random, {.space = 1.0, .largest_mu = 0.1});
+    if (!well_conditioned(problem)) continue;
+    ++k;
+    std::vector<double> reference(problem.rows(), 0.0);
+    ASSERT_EQ(reference_solver->solve(problem, reference.data()).status, SolveStatus::solved)
+        << dump(problem);
+    const auto expected = relative_velocities(problem, reference);
+    for (const SolverEntry& entry : contact_solvers()) {
+      const auto solver = entry.make();
+      if (!solver->accepts(problem)) continue;
+      std::vector<double> P(problem.rows(), 0.0);
+      ASSERT_EQ(solver->solve(problem, P.data()).status, SolveStatus::solved) << entry.name << dump(problem);
+      const auto xi = relative_velocities(problem, P);
+      for (int i = 0; i < problem.rows(); ++i)
+        ASSERT_NEAR(xi[i], expected[i], 1e-10 * terms(problem, reference)) << entry.name << dump(problem);
+    }
+  }
+}
+
+TEST(Convergence, NewtonIsQuadraticWhereSweepsAreLinear) {
+  std::mt19937 random(8);
+  const auto newton = make_contact_solver("semismooth-newton"),
+             prox = make_contact_solver("prox-fixed-point");
+  int steps = 0, sweeps = 0, most_steps = 0;
+  for (int k = 0; k < 300;) {
+    const ContactProblem problem =
+        random_problem(random, {.space = 1.0, .largest_mu = 0.5, .equalities = false});
+    if (!well_conditioned(problem)) continue;
+    ++k;
+    std::vector<double> P(problem.rows(), 0.0), Q(P);
+    const SolveReport fast = newton->solve(problem, P.data()), slow = prox->solve(problem, Q.data());
+    if (fast.status != SolveStatus::solved || slow.status != SolveStatus::solved) continue;
+    steps += fast.iterations;
+    most_steps = std::max(most_steps, fast.iterations);
+    sweeps += slow.iterations;
+  }
+  EXPECT_LE(most_steps, 12);
+  EXPECT_GE(sweeps, 5 * steps);
+}
+
+TEST(ProxFixedPoint, StepsAdaptWhereFullOnesDiverge) {
+  // Equalities with G = I + 2 J, J skew: sweeps with omega = 1 grow fourfold, below 2/3 they converge.
+  const Matrix G = (Matrix(2, 2) << 1.0, 2.0, -2.0, 1.0).finished();
+  const ContactProblem problem = problem_of(G, (Vec(2) << 1.0, 1.0).finished(), {Equality{}, Equality{}});
+  std::vector<double> P(2, 0.0), Q(P);
+  ASSERT_EQ(make_contact_solver("prox-fixed-point")->solve(problem, P.data()).status, SolveStatus::solved);
+  EXPECT_NEAR(P[0], 0.2, 1e-11);  // P = -G⁻¹ b
+  EXPECT_NEAR(P[1], -0.6, 1e-11);
+  EXPECT_NE(make_contact_solver("nsgs")->solve(problem, Q.data()).status, SolveStatus::solved);
+}
+
+TEST(SubsetNewton, ContactsThatContradictEachOtherSlightly) {
+  // One body, two contacts at one place, the second approached faster by 1e-6 and so the one that carries.
+  const Matrix G = Matrix::Ones(2, 2);
+  const ContactProblem problem =
+      problem_of(G, (Vec(2) << -1.0, -1.0 - 1e-6).finished(), {NonNegative{}, NonNegative{}});
+  std::vector<double> P(2, 0.0);
+  ASSERT_EQ(make_contact_solver("subset-newton")->solve(problem, P.data()).status, SolveStatus::solved);
+  EXPECT_EQ(P[0], 0.0);
+  EXPECT_NEAR(P[1], 1.0 + 1e-6, 1e-14);
+}
 
 TEST(UniqueProblems, EverySolverFindsTheSameVelocities) {
   // G symmetric positive definite and no friction: P is the solution of a strictly convex problem.

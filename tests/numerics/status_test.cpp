@@ -20,7 +20,8 @@ TEST(Solvers, WithoutASolutionNoneSaysSolved) {
   // G <= 0 cannot stop the approach: xi = -1 - P < 0, or xi = -1 for every P.
   for (const SolverEntry& entry : contact_solvers()) {
     for (double g : {-1.0, 0.0}) {
-      for (const ContactSet& set : {ContactSet(NonNegative{}), ContactSet(Coulomb{0.5, 2})}) {
+      for (const ContactSet& set :
+           {ContactSet(NonNegative{}), ContactSet(Coulomb{0.5, 2}), ContactSet(Coulomb{0.5, 3})}) {
         const int rows = rows_of(set);
         Vec b = Vec::Zero(rows);
         b[0] = -1.0;
@@ -70,7 +71,8 @@ TEST(Solvers, TheReportedCertificateIsThatOfTheAnswer) {
     const auto solver = entry.make();
     solver->reserve(20);
     for (int k = 0; k < 100; ++k) {
-      const ContactProblem problem = random_problem(random, {.dependent = k % 3, .moved = 0.05});
+      const ContactProblem problem =
+          random_problem(random, {.dependent = k % 3, .moved = 0.05, .space = k % 2 * 0.5});
       if (!solver->accepts(problem)) continue;
       std::vector<double> P(problem.rows(), 0.0), xi(P);
       const SolveReport report = solver->solve(problem, P.data());
@@ -81,10 +83,11 @@ TEST(Solvers, TheReportedCertificateIsThatOfTheAnswer) {
   }
 }
 
-TEST(Solvers, FrictionInSpaceIsNotAccepted) {
+TEST(Solvers, ThoseThatListModesTakeNoFrictionInSpace) {
   const ContactProblem space = problem_of(Matrix::Identity(3, 3), Vec::Zero(3), {Coulomb{0.5, 3}});
-  for (const char* name : {"auto", "semismooth-newton", "enumeration", "nsgs"})
-    EXPECT_FALSE(make_contact_solver(name)->accepts(space)) << name;
+  for (const SolverEntry& entry : contact_solvers())
+    EXPECT_EQ(entry.make()->accepts(space), entry.name != "enumeration" && entry.name != "lemke")
+        << entry.name;
 }
 
 TEST(Solvers, EnumerationKnowsItsLimit) {
@@ -100,6 +103,17 @@ TEST(Solvers, EnumerationKnowsItsLimit) {
   EXPECT_FALSE(enumeration->accepts(many(9, Coulomb{0.1, 2})));
   EXPECT_TRUE(enumeration->accepts(many(40, Equality{})));
   EXPECT_FALSE(enumeration->accepts(many(400, NonNegative{})));  // the count itself must not overflow
+}
+
+TEST(Solvers, SubsetsAreThoseOfTenContactsAtMost) {
+  const auto many = [](int n, ContactSet set) {
+    const int rows = n * rows_of(set);
+    return problem_of(Matrix::Identity(rows, rows), Vec::Zero(rows), std::vector<ContactSet>(n, set));
+  };
+  const auto subsets = make_contact_solver("subset-newton");
+  EXPECT_TRUE(subsets->accepts(many(10, Coulomb{0.1, 3})));
+  EXPECT_FALSE(subsets->accepts(many(11, NonNegative{})));
+  EXPECT_TRUE(subsets->accepts(many(40, Equality{})));
 }
 
 TEST(Solvers, NamesAndClones) {

@@ -218,14 +218,15 @@ def test_an_exception_in_an_observer_passes():
     assert simulation.steps == 3
 
 
-def test_friction_in_space_is_refused_by_name():
+@pytest.mark.parametrize("solver", ["enumeration", "lemke"])
+def test_friction_in_space_is_refused_by_solvers_of_the_plane(solver):
     mass = sk.LagrangianLinearTIDS([0, 0, 0], [0, 0, 0], np.eye(3))
     system = sk.NonSmoothDynamicalSystem([mass])
     system.link(
         sk.Interaction(sk.LagrangianLinearTIR(np.eye(3)), sk.NewtonImpactFrictionNSL(0, 0, 0.1, 3)), mass
     )
     with pytest.raises(ValueError, match="does not accept a law with 3 rows: friction in space"):
-        sk.TimeStepping(system, "HalfExplicitTrapezoidalOSI", 0.1)
+        sk.TimeStepping(system, "HalfExplicitTrapezoidalOSI", 0.1, solver=solver)
 
 
 def test_unknown_contact_names_those_there_are():

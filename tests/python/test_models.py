@@ -47,6 +47,23 @@ class Circle(sk.LagrangianScleronomousR):
         out[0] = v @ v
 
 
+def test_friction_in_space_stops_a_point_along_its_direction():
+    v0, mu = np.array([1.2, -0.9]), 0.4
+    point = sk.LagrangianLinearTIDS(
+        q0=[0.0, 0.0, -1e-4], v0=[*v0, 0.0], mass=2.0 * np.eye(3), external_force=[0.0, 0.0, -2.0 * 9.81]
+    )
+    system = sk.NonSmoothDynamicalSystem([point])
+    floor = sk.LagrangianLinearTIR([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    system.link(sk.Interaction(floor, sk.NewtonImpactFrictionNSL(0.0, 0.0, mu, 3), name="floor"), point)
+    trajectory = sk.TimeStepping(system, sk.HalfExplicitTrapezoidalOSI(), time_step=1e-3).run(until=0.5)
+    speed = np.linalg.norm(v0)
+    expected = v0 * speed / (2.0 * mu * 9.81)  # v0²/(2 mu g) along v0
+    np.testing.assert_allclose(trajectory.q[-1, :2], expected, atol=2e-3 * speed)
+    np.testing.assert_allclose(trajectory.v[-1], 0.0, atol=1e-13)
+    force = trajectory["floor"].lambda_plus[1]
+    np.testing.assert_allclose(force, [2.0 * 9.81, *(-mu * 2.0 * 9.81 * v0 / speed)], rtol=1e-9)
+
+
 def test_ball_at_rest_carries_its_weight():
     system = ball(height=0.0)
     trajectory = sk.TimeStepping(system, sk.HalfExplicitTrapezoidalOSI(), time_step=1e-3).run(until=1.0)

@@ -19,29 +19,31 @@ def violation(sets, P, xi):
             continue
         worst = max(worst, -xi[row], -P[row], min(abs(xi[row]), abs(P[row])))
         if isinstance(law, Coulomb):
-            force, slip = P[row + 1], xi[row + 1]
-            radius = law.mu * max(P[row], 0.0)
-            worst = max(worst, abs(force) - radius, min(abs(slip), abs(force + np.sign(slip) * radius)))
-            row += 1
+            force, slip = P[row + 1 : row + law.dim], xi[row + 1 : row + law.dim]
+            radius, speed = law.mu * max(P[row], 0.0), np.linalg.norm(slip)
+            across = force + slip / speed * radius if speed > 0 else 0.0 * force
+            # slow sliding has a direction only as far as its velocity is known
+            worst = max(worst, np.linalg.norm(force) - radius, speed * np.linalg.norm(across) / size)
+            row += law.dim - 1
         row += 1
     return worst / size
 
 
 @st.composite
-def problems(draw):
+def problems(draw, dims=(2,)):
     sets = draw(
         st.lists(
             st.one_of(
                 st.just(Equality()),
                 st.just(NonNegative()),
-                st.floats(0.0, 1.5).map(Coulomb),
+                st.builds(Coulomb, st.floats(0.0, 1.5), st.sampled_from(dims)),
             ),
             min_size=1,
             max_size=4,
         )
     )
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    rows = sum(2 if isinstance(law, Coulomb) else 1 for law in sets)
+    rows = sum(law.dim if isinstance(law, Coulomb) else 1 for law in sets)
     freedoms = rows + draw(st.integers(0, 2))
     W = rng.normal(size=(freedoms, rows))
     return sets, W.T @ W, rng.normal(size=rows)
@@ -58,6 +60,27 @@ def test_solved_means_solved(problem):
         if solution.status == "solved":
             np.testing.assert_allclose(solution.xi, G @ solution.P + b, atol=1e-12 * solution.scale)
             assert violation(sets, solution.P, solution.xi) < 1e-9
+
+
+@settings(max_examples=200, deadline=None)
+@given(problems(dims=(2, 3)))
+def test_solved_means_solved_in_space(problem):
+    sets, G, b = problem
+    solution = numerics.solve(G, b, sets)
+    assert solution.status == "solved"
+    assert violation(sets, solution.P, solution.xi) < 1e-9
+
+
+def test_friction_in_space_opposes_the_sliding():
+    # isotropic, sliding along (3, 4)/5
+    problem = (np.eye(3), [-1.0, 3.0, 4.0], [Coulomb(0.5, dim=3)])
+    for solver in ("auto", "semismooth-newton", "nsgs", "prox-fixed-point", "subset-newton"):
+        solution = numerics.solve(*problem, solver=solver)
+        assert solution.status == "solved"
+        np.testing.assert_allclose(solution.P, [1.0, -0.3, -0.4], atol=1e-12)
+    for solver in ("enumeration", "lemke"):
+        with pytest.raises(ValueError, match=f"'{solver}' does not accept"):
+            numerics.solve(*problem, solver=solver)
 
 
 @pytest.mark.parametrize(

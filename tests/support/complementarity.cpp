@@ -1,6 +1,7 @@
 #include "support/complementarity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace saltus::test {
@@ -18,16 +19,17 @@ double normal_violation(double xi, double p) {
   return std::max({0.0, -xi, -p, std::min(std::abs(xi), std::abs(p))});
 }
 
-// Coulomb's law for tangential velocity u and force f (as a velocity) inside radius r.
-double tangential_violation(const std::vector<double>& u, const std::vector<double>& f, double r) {
-  double speed = 0.0, force = 0.0;
-  for (double x : u) speed = std::hypot(speed, x);
-  for (double x : f) force = std::hypot(force, x);
+// Coulomb's law for tangential velocity u and force f (as a velocity) inside radius r: in sliding the force
+// is all that the cone allows and opposes u. Slow sliding has a direction only as far as u is known: the part
+// of u across the force counts, not the angle.
+double tangential_violation(const std::array<double, 2>& u, const std::array<double, 2>& f, double r) {
+  const double speed = std::hypot(u[0], u[1]), force = std::hypot(f[0], f[1]);
   const double outside = std::max(0.0, force - r);
-  double against = 0.0;  // |f + r u/|u||: friction opposes the sliding with all that the cone allows
-  for (std::size_t k = 0; k < u.size(); ++k)
-    against = std::hypot(against, speed > 0.0 ? f[k] + r * u[k] / speed : 0.0);
-  return std::max(outside, std::min(speed, against));
+  if (speed == 0.0) return outside;
+  const double lacking = std::min(speed, std::abs(force - r));
+  const double driving = f[0] * u[0] + f[1] * u[1] > 0.0 ? std::min(speed, force) : 0.0;
+  const double across = std::abs(f[0] * u[1] - f[1] * u[0]) / std::max(speed, r);
+  return std::max({outside, lacking, driving, across});
 }
 
 }  // namespace
@@ -63,10 +65,10 @@ double violation(const ContactProblem& problem, const std::vector<double>& P) {
     } else {
       worst = std::max(worst, normal_violation(xi[row], d * P[row]));
       if (const auto* law = std::get_if<Coulomb>(&set)) {
-        std::vector<double> u, f;
-        for (int k = row + 1; k < row + rows; ++k) {
-          u.push_back(xi[k]);
-          f.push_back(d * P[k]);
+        std::array<double, 2> u{}, f{};
+        for (int k = 1; k < rows; ++k) {
+          u[k - 1] = xi[row + k];
+          f[k - 1] = d * P[row + k];
         }
         worst = std::max(worst, tangential_violation(u, f, law->mu * d * std::max(P[row], 0.0)));
       }
@@ -74,6 +76,20 @@ double violation(const ContactProblem& problem, const std::vector<double>& P) {
     row += rows;
   }
   return worst;
+}
+
+Matrix tangents_turned_by(double angle, const ContactProblem& problem) {
+  Matrix R = Matrix::Identity(problem.rows(), problem.rows());
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (rows_of(set) == 3) {
+      R(row + 1, row + 1) = R(row + 2, row + 2) = std::cos(angle);
+      R(row + 1, row + 2) = std::sin(angle);
+      R(row + 2, row + 1) = -std::sin(angle);
+    }
+    row += rows_of(set);
+  }
+  return R;
 }
 
 ContactProblem problem_of(const Matrix& G, const Vec& b, std::vector<ContactSet> sets) {
@@ -90,7 +106,10 @@ ContactSet random_set(std::mt19937& random, const ProblemKind& kind) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const double choice = unit(random);
   if (kind.equalities && choice < 0.2) return Equality{};
-  if (kind.friction && choice < 0.7) return Coulomb{unit(random), 2};
+  if (kind.friction && choice < 0.7) {
+    const double mu = kind.largest_mu * unit(random);
+    return Coulomb{mu, kind.space > 0.0 && unit(random) < kind.space ? 3 : 2};
+  }
   return NonNegative{};
 }
 

@@ -19,12 +19,17 @@ struct ProblemKind {
   int dependent = 0;          ///< contacts repeated with the same W: G loses rank
   double moved = 0.0;         ///< W(q_c) - W(q_f), relative: G becomes unsymmetric
   double scale_spread = 0.0;  ///< freedoms' masses between 10^-spread and 10^spread
+  double space = 0.0;         ///< share of the frictional contacts that are spatial
+  double largest_mu = 1.0;
   bool friction = true;
   bool equalities = true;
 };
 
 /// Random contacts, 1..5, on 1..6 freedoms: G = W(q_c)ᵀ M⁻¹ W(q_f), b = W(q_c)ᵀ v, as mechanics makes them.
 ContactProblem random_problem(std::mt19937& random, const ProblemKind& kind);
+
+/// Turns the tangents of all spatial contacts: R (rows, rows) with R G Rᵀ, R b the same problem.
+Matrix tangents_turned_by(double angle, const ContactProblem& problem);
 
 /// A problem from literal numbers.
 ContactProblem problem_of(const Matrix& G, const Vec& b, std::vector<ContactSet> sets);
