@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "saltus/kernel/assembly/layout.hpp"
@@ -50,6 +51,8 @@ class Configuration final : public BlockInverse {
     const auto& slot = layout_->contacts[contact];
     return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
   }
+  /// All of them, in ascending order.
+  std::span<const int> closed_contacts() const { return {closed_.data(), closed_count_}; }
   /// Are the contact's gaps finite? A NaN would count as open.
   bool finite(int contact) const;
   bool finite() const { return gaps_.allFinite(); }
@@ -81,6 +84,9 @@ class Configuration final : public BlockInverse {
   std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;  // shared by copies
   Vec q_, gaps_, local_q_, local_v_, curvature_;
   std::vector<double> mass_, jacobians_;
+  std::vector<int>
+      closed_;  // as many as there are contacts: a copy of a vector keeps its size, not its capacity
+  std::size_t closed_count_ = 0;
   std::vector<SpdFactor> factors_;
   std::vector<unsigned char> has_jacobian_;
   bool factorised_ = false;

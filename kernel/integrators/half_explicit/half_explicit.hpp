@@ -38,11 +38,12 @@ class HalfExplicit final : public OneStepIntegrator {
 
  private:
   struct Stage {
-    Vec v;             // velocity
-    Vec h;             // forces
-    Vec acceleration;  // M⁻¹h
-    Vec reaction;      // M⁻¹Wλ
-    Vec lambda;        // (rows of all contacts) [N]
+    Vec v;                // velocity
+    Vec h;                // forces
+    Vec acceleration;     // M⁻¹h
+    bool loaded = false;  // contacts carry λ; else λ is zero, and reaction is not looked at
+    Vec reaction;         // M⁻¹Wλ
+    Vec lambda;           // (rows of all contacts) [N]
   };
 
   void begin(const State& state, const Reactions& reactions);
