@@ -1,6 +1,7 @@
 """Siconos's side of the comparison: prints t, q, v, impulse of a bouncing ball for every step as JSON.
 
-Run by the Python that has Siconos, not by the one that has Saltus: ``python3 bouncing_ball.py THETA RESTITUTION DT UNTIL``.
+Run by the Python that has Siconos, not by the one that has Saltus:
+``python3 bouncing_ball.py THETA RESTITUTION DT UNTIL``.
 """
 
 import json

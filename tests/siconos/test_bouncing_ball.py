@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import saltus.kernel as sk
 
 SCRIPT = Path(__file__).parent / "bouncing_ball.py"
