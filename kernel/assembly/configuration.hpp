@@ -14,6 +14,8 @@ class BlockInverse {
   virtual ~BlockInverse() = default;
   /// x <- A⁻¹ x for one system, x (n of it)
   virtual void solve_block(int system, double* x) const = 0;
+  /// True if it is the same in all steps.
+  virtual bool constant() const { return false; }
 };
 
 /// Everything that depends on the position alone: gaps, M and its factor, Wᵀ. Gaps are evaluated by
@@ -33,6 +35,7 @@ class Configuration final : public BlockInverse {
   bool factorise();
   /// x <- M⁻¹ x for one system, x (n of it)
   void solve_block(int system, double* x) const override { factor(system).solve(x); }
+  bool constant() const override { return !layout_->varying_mass; }
   /// x <- M⁻¹ x, x (n)
   void solve_mass(Vec& x) const;
   /// y <- M x, both (n), after factorise()
@@ -55,7 +58,7 @@ class Configuration final : public BlockInverse {
   std::span<const int> closed_contacts() const { return {closed_.data(), closed_count_}; }
   /// Are the contact's gaps finite? A NaN would count as open.
   bool finite(int contact) const;
-  bool finite() const { return gaps_.allFinite(); }
+  bool finite() const { return all_finite(gaps_); }
   /// Largest -g of the unilateral contacts, or 0 [m]
   double penetration() const;
 

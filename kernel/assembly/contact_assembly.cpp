@@ -27,6 +27,9 @@ ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout)
 
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
                                Configuration& force, const BlockInverse& inverse) {
+  const bool constant = inverse.constant() && !layout_->varying_jacobian;
+  if (constant && constant_ && active == active_) return;  // G is still what it was
+  constant_ = constant;
   active_ = active;
   problem_.sets.clear();
   for (int system : touched_) touching_[system].clear();

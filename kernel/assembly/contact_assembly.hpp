@@ -50,6 +50,7 @@ class ContactAssembly {
   std::shared_ptr<const Layout> layout_;
   ContactProblem problem_;
   std::vector<int> active_;
+  bool constant_ = false;  // G depends on active_ alone
   std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ, placed as the Jacobians are
   std::vector<std::vector<Touch>> touching_;  // per system
   std::vector<int> touched_;                  // systems with a non-empty list

@@ -225,7 +225,7 @@ void HalfExplicit::take_work(double dt, StepReport& report) {
     report.work_forces = inertia_work(at(0), at(s_ + 1), stages_[0].v, stages_[s_ + 1].v);
   for (int k = 0; k <= s_; ++k) {
     const double weight = dt * tableau_.Av(s_, k);
-    report.work_forces += weight * stages_[k].h.dot(stages_[k].v);
+    report.work_forces += weight * dot(stages_[k].h, stages_[k].v);
     if (!report.impulsive && stages_[k].loaded) report.work_lambda += weight * lambda_power(k);
   }
 }
@@ -246,7 +246,7 @@ double HalfExplicit::lambda_power(int k) {
 
 void HalfExplicit::commit(double dt, State& state, Reactions& reactions, StepReport& report) {
   Configuration& end = at(s_ + 1);
-  if (!stages_[s_ + 1].v.allFinite() || !end.q().allFinite()) {
+  if (!all_finite(stages_[s_ + 1].v) || !all_finite(end.q())) {
     report.status = StepStatus::not_finite;
     return;
   }
