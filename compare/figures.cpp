@@ -105,8 +105,9 @@ std::vector<Interval> compare_impacts(const SampledRun& run, const SampledRun& r
       for (const Impact& impact : *alone) {
         jumps.push_back({impact.t - near, impact.t + near});
         if (!counts(impact)) continue;
-        ++figures.unmatched;
         ++(alone == &match.extra ? figures.impacts : figures.reference_impacts);
+        if (impact.t > end - window) continue;  // its partner may be behind the end
+        ++figures.unmatched;
         figures.impulse_error = std::max(figures.impulse_error, std::abs(impact.impulse) / largest);
       }
   }

@@ -29,7 +29,7 @@ struct Figures {
   /// Largest difference of T + V − Σ (work of λ and Λ), over the reference's largest T
   double energy_drift = 0.0;
   long impacts = 0, reference_impacts = 0;  ///< those that are not small
-  long unmatched = 0;                       ///< of both
+  long unmatched = 0;                       ///< of both, if more than a window before the end
   double impact_time_error = 0.0;           ///< largest of the pairs [s]
   double impulse_error = 0.0;  ///< largest of the pairs, an impact without partner as a whole, over the
                                ///< reference's largest
