@@ -58,13 +58,14 @@ std::vector<double> ordered_steps(const NonSmoothDynamicalSystem& model, const C
 std::vector<Candidate> all_candidates(const CompareSettings& settings) {
   std::vector<Candidate> all;
   if (settings.baseline) all.push_back(*settings.baseline);
-  all.insert(all.end(), settings.integrators.begin(), settings.integrators.end());
   std::set<std::string> names;
-  for (const Candidate& candidate : all) {
-    if (!candidate.scheme) throw Failure("an integrator to compare is missing: '" + candidate.name + "'");
+  for (const Candidate& candidate : settings.integrators) {
     if (!names.insert(candidate.name).second)
       throw Failure("integrators to compare must differ, got '" + candidate.name + "' twice");
+    all.push_back(candidate);
   }
+  for (const Candidate& candidate : all)
+    if (!candidate.scheme) throw Failure("an integrator to compare is missing: '" + candidate.name + "'");
   if (settings.integrators.empty()) throw Failure("a comparison needs an integrator, got none");
   return all;
 }

@@ -51,9 +51,10 @@ using CompareProgress = std::function<void(const std::string& label, double frac
 
 struct CompareSettings {
   std::vector<Candidate> integrators;
-  std::optional<Candidate> baseline;  ///< runs as well, but need not keep the limits
-  std::vector<double> time_steps;     ///< [s]
-  double until = 0.0;                 ///< [s]
+  std::optional<Candidate>
+      baseline;                    ///< runs as well, and keeps limits only if it is one of integrators, too
+  std::vector<double> time_steps;  ///< [s]
+  double until = 0.0;              ///< [s]
   Reference reference;
   Limits limits;
   int timings = 5;  ///< runs whose median is the time of a step; the integrators take turns. 0: no timing

@@ -25,14 +25,17 @@ std::string to_text(const Comparison& comparison) {
     }
     text += '\n';
   };
-  line("integrator", {"dt [s]", "error q", "error v", "spectral", "order", "impulse err", "energy drift",
-                      "penetr. [m]", "impulsive", "closed", "us/step", "residual"});
+  line("integrator",
+       {"dt [s]", "error q", "error v", "spectral", "order", "energy drift", "penetr. [m]", "residual",
+        "us/step", "slowdown", "impulsive", "closed", "impacts", "unmatched", "time err [s]", "impulse err"});
   for (const CompareRow& row : comparison.rows) {
     const Figures& f = row.figures;
-    line(row.integrator, {number(row.time_step), text_of(f.error_q), text_of(f.error_v), text_of(f.spectral),
-                          text_of(row.order), text_of(f.impulse_error), text_of(f.energy_drift),
-                          number(row.penetration), std::to_string(row.impulsive_steps), number(row.closed),
-                          text_of(row.us_per_step), number(row.residual)});
+    line(row.integrator,
+         {number(row.time_step), text_of(f.error_q), text_of(f.error_v), text_of(f.spectral),
+          text_of(row.order), text_of(f.energy_drift), number(row.penetration), number(row.residual),
+          text_of(row.us_per_step), text_of(row.slowdown), std::to_string(row.impulsive_steps),
+          number(row.closed), std::to_string(f.impacts), std::to_string(f.unmatched),
+          text_of(f.impact_time_error), text_of(f.impulse_error)});
   }
   for (const std::string& warning : comparison.warnings) text += "warning: " + warning + '\n';
   for (const Breach& breach : comparison.breaches) text += "BROKEN  " + breach.message + '\n';

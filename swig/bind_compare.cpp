@@ -91,12 +91,12 @@ Reference to_reference(const std::optional<Named>& made, const py::object& colum
 Limits to_limits(const std::map<std::string, double>& given) {
   Limits limits;
   const std::map<std::string, std::optional<double> Limits::*> known = {
-      {"max_error", &Limits::max_error},
-      {"max_energy_drift", &Limits::max_energy_drift},
-      {"max_impulse_error", &Limits::max_impulse_error},
-      {"max_penetration", &Limits::max_penetration},
-      {"max_slowdown", &Limits::max_slowdown},
-      {"min_order", &Limits::min_order}};
+      {"max-error", &Limits::max_error},
+      {"max-energy-drift", &Limits::max_energy_drift},
+      {"max-impulse-error", &Limits::max_impulse_error},
+      {"max-penetration", &Limits::max_penetration},
+      {"max-slowdown", &Limits::max_slowdown},
+      {"min-order", &Limits::min_order}};
   for (const auto& [name, value] : given) limits.*known.at(name) = value;
   return limits;
 }

@@ -108,7 +108,7 @@ class Comparison:
     reference: str
     reference_step: float  #: [s]
     reference_moves: float | None  #: error of q of the reference with its step doubled, None if it is a file
-    limits: Mapping[str, float]
+    limits: Mapping[str, float]  #: by the names that breaches have
     refused: Mapping[str, str]  #: integrators that were left out because they cannot take the model, and why
     warnings: tuple[str, ...]
     breaches: tuple[Breach, ...]
@@ -175,12 +175,12 @@ def compare(
     steps, end = _times(about, time_steps, until)
     chosen, refused = _candidates(about, integrators, baseline, steps)
     given = {
-        "max_error": max_error,
-        "max_energy_drift": max_energy_drift,
-        "max_impulse_error": max_impulse_error,
-        "max_penetration": max_penetration,
-        "max_slowdown": max_slowdown,
-        "min_order": min_order,
+        "max-error": max_error,
+        "max-energy-drift": max_energy_drift,
+        "max-impulse-error": max_impulse_error,
+        "max-penetration": max_penetration,
+        "max-slowdown": max_slowdown,
+        "min-order": min_order,
     }
     return _run(
         about,

@@ -125,10 +125,6 @@ def print_comparison(found: Comparison) -> None:
         console.print(grid_of(found, columns))
     for name, reason in found.refused.items():
         console.print(f"{name} left out: {reason}", highlight=False, soft_wrap=True, markup=False)
-    for row in found.rows:
-        if row.ended:
-            text = f"{row.integrator}, Δt = {row.time_step:g} s, ended early: {row.ended}"
-            console.print(text, style="yellow", highlight=False, soft_wrap=True, markup=False)
     for warning in found.warnings:
         console.print(f"warning: {warning}", style="yellow", highlight=False, soft_wrap=True, markup=False)
     for breach in found.breaches:
@@ -147,7 +143,7 @@ def title(found: Comparison) -> str:
 
 def limits_of(found: Comparison) -> str:
     """The limits as they were given."""
-    return ", ".join(f"{name.replace('_', '-')} {limit:g}" for name, limit in found.limits.items())
+    return ", ".join(f"{name} {limit:g}" for name, limit in found.limits.items())
 
 
 def grid_of(found: Comparison, columns: Columns) -> Table:
