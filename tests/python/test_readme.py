@@ -1,11 +1,14 @@
-"""What the README shows runs as it stands."""
+"""What the README shows runs as it stands, and what the guides name exists."""
 
 import re
 from pathlib import Path
 
 import pytest
+import typer
+from saltus.cli.app import app
 
 ROOT = Path(__file__).parents[2]
+PAGES = ("README.md", "docs/compare.md")
 BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
 
 
@@ -19,6 +22,25 @@ def test_there_are_blocks():
     assert len(BLOCKS) == 2
 
 
-def test_links_lead_somewhere():
-    for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / "README.md").read_text()):
-        assert (ROOT / target).exists(), target
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text()):
+        assert ((ROOT / page).parent / target).exists(), target
+
+
+def test_commands_of_the_guide_exist():
+    text = (ROOT / "docs/compare.md").read_text()
+    commands = typer.main.get_command(app).commands
+    used = re.findall(r"saltus (models|compare|converge)\b", text)
+    assert set(used) == {"models", "compare", "converge"}
+    known = {name for word in used for option in commands[word].params for name in option.opts}
+    assert {option for option in re.findall(r"--[a-z][a-z-]+", text)} <= known
+
+
+def test_the_fixture_of_the_guide(pytester):
+    text = (ROOT / "docs/compare.md").read_text()
+    [block] = re.findall(r"```python\n(from hopper.*?)```", text, flags=re.DOTALL)
+    pytester.makepyfile(hopper="from saltus.examples.bouncing_ball.bouncing_ball import build", test_it=block)
+    pytester.runpytest_subprocess("test_it.py").assert_outcomes(failed=1)  # this ball penetrates more
+    pytester.makepyfile(test_it=block.replace("1e-4", "1e-2"))
+    pytester.runpytest_subprocess("test_it.py").assert_outcomes(passed=1)
