@@ -43,6 +43,8 @@ std::vector<Value> to_column(const py::object& values) {
   return {array.data(), array.data() + array.size()};
 }
 
+}  // namespace
+
 // The inverse of to_dict
 Recording to_recording(const py::dict& columns) {
   Recording recording;
@@ -55,8 +57,6 @@ Recording to_recording(const py::dict& columns) {
         column.values);
   return recording;
 }
-
-}  // namespace
 
 void bind_io(py::module_& module) {
   py::classh<Recording, Observer>(module, "Recording", "A run in memory, column by column.")

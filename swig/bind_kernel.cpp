@@ -6,6 +6,7 @@
 #include "python_models.hpp"
 #include "saltus/kernel/model/check.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/model/plugin_model.hpp"
 #include "saltus/kernel/model/requirements.hpp"
 #include "saltus/kernel/simulation/time_stepping.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
@@ -262,6 +263,8 @@ void bind_model(py::module_& module) {
         }
         return all;
       });
+  module.def("load_model", &load_model, py::arg("library_and_function"),
+             "The model that a shared library composes, \"library:function\".");
 }
 
 void bind_simulation(py::module_& module) {

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "saltus/io/recording.hpp"
 #include "saltus/numerics/pool.hpp"
 
 namespace saltus::python {
@@ -15,6 +16,7 @@ void bind_numerics(py::module_& module);
 void bind_kernel(py::module_& module);
 void bind_integrators(py::module_& module);
 void bind_io(py::module_& module);
+void bind_compare(py::module_& module);
 void bind_examples(py::module_& module);
 
 /// Array-likes of constructors: converted and copied once, never views.
@@ -29,6 +31,8 @@ Vec to_sized_vec(const ArrayLike& values, const std::string& what, Eigen::Index 
 Matrix to_matrix(const ArrayLike& values, const std::string& what);
 /// @throws py::type_error if the object's __init__ has not been called: there is no C++ object then
 void require_initialised(py::handle self);
+/// A recording with these columns, as Recording.columns() gives them.
+Recording to_recording(const py::dict& columns);
 /// A new array with these values.
 py::array_t<double> to_array(const Vec& values);
 

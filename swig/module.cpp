@@ -73,5 +73,6 @@ PYBIND11_MODULE(_core, module) {
   saltus::python::bind_integrators(module);
   saltus::python::bind_kernel(module);
   saltus::python::bind_io(module);
+  saltus::python::bind_compare(module);
   saltus::python::bind_examples(module);
 }

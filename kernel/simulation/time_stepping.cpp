@@ -127,10 +127,9 @@ void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
 
 void TimeStepping::run(double until) {
   if (!std::isfinite(until)) throw std::invalid_argument("until must be finite, got " + number(until));
-  const double last = until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * dt_);
   long interval = 1;  // in steps; follows what they cost
   auto shown = std::chrono::steady_clock::now();
-  for (long k = 1; model_.t0() + (step_ + 1) * dt_ <= last; ++k) {
+  for (long k = 1; reaches(until); ++k) {
     step();
     if (!progress_ || k % interval != 0) continue;
     progress_(state_.t);
@@ -139,6 +138,11 @@ void TimeStepping::run(double until) {
     shown = now;
     interval = silence > 0.5 * longest_silence ? 1 : std::min(2 * interval, longest_interval);
   }
+}
+
+bool TimeStepping::reaches(double until) const {
+  const double last = until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * dt_);
+  return model_.t0() + (step_ + 1) * dt_ <= last;
 }
 
 const StepReport& TimeStepping::step() {

@@ -51,6 +51,8 @@ class TimeStepping {
   void run(double until);
   /// Takes one step. @throws as run()
   const StepReport& step();
+  /// Would run(until) take a further step?
+  bool reaches(double until) const;
 
   const NonSmoothDynamicalSystem& model() const { return model_; }
   const OneStepIntegrator& integrator() const { return *integrator_; }

@@ -160,6 +160,8 @@ class NonSmoothDynamicalSystemBase:
     def check_items(self) -> list[CheckItem]: ...
     def contacts(self) -> list[tuple[str, int, int, int, int]]: ...
 
+def load_model(library_and_function: str) -> NonSmoothDynamicalSystemBase: ...
+
 # kernel: integrators and simulations
 
 class OneStepIntegrator:
@@ -317,6 +319,23 @@ class Recording(Observer):
 def run_columns() -> dict[str, str]: ...
 def csv_header(freedoms: int, contacts: Sequence[tuple[str, int, int]]) -> str: ...
 def csv_rows(columns: Mapping[str, Any]) -> str: ...
+
+# compare
+
+def compare_integrators(
+    system: NonSmoothDynamicalSystemBase,
+    integrators: Sequence[tuple[str, OneStepIntegrator]],
+    baseline: tuple[str, OneStepIntegrator] | None,
+    time_steps: Sequence[float],
+    until: float,
+    reference: tuple[str, OneStepIntegrator] | None,
+    recorded: Mapping[str, Any] | None,
+    reference_name: str,
+    reference_step: float,
+    limits: Mapping[str, float],
+    timings: int,
+    progress: Callable[[str, float], object] | None,
+) -> dict[str, Any]: ...
 
 # examples
 

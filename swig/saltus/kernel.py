@@ -180,7 +180,7 @@ class TimeStepping(_core.TimeSteppingBase):
     ----------
     system : NonSmoothDynamicalSystem, as it is now: interactions linked later are not seen
     integrator : made by a factory of this module, or a name: of one of them, "library:Class" of a plugin,
-        "file.py:Class" of a Python class
+        "file.py:Class" of a Python class; options can follow, "MoreauJeanOSI(theta=0.5)"
     time_step : Δt > 0 [s]
     solver : name of a contact solver, see ``saltus.numerics.solvers()``, or of a plugin's or a Python class
     record_every : keep every n-th row, and all impulsive steps
@@ -209,7 +209,7 @@ class TimeStepping(_core.TimeSteppingBase):
     ) -> None:
         if not isinstance(system, NonSmoothDynamicalSystem):
             raise TypeError(f"system must be a NonSmoothDynamicalSystem, got {type(system).__name__}")
-        scheme = registry.integrator(integrator)() if isinstance(integrator, str) else integrator
+        scheme = registry.make_integrator(integrator) if isinstance(integrator, str) else integrator
         if not isinstance(scheme, OneStepIntegrator):
             hint = f": call it, {scheme.name}()" if isinstance(scheme, IntegratorFactory) else ""
             raise TypeError(f"integrator must be a OneStepIntegrator or a name, got {integrator!r}{hint}")

@@ -2,10 +2,12 @@
 
 A name is one of the table, ``"library:Class"`` of a shared library, or ``"file.py:Class"`` or
 ``"package.module:Class"`` of a Python class; the last three join the table when they are first named.
+Options of an integrator can follow its name: ``"MoreauJeanOSI(theta=0.5)"``.
 """
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import inspect
@@ -61,6 +63,55 @@ def integrator(name: str) -> IntegratorFactory:
         if entry["name"] == known:
             return IntegratorFactory(known, entry["summary"], entry["options"])
     raise ValueError(f"no integrator named '{name}', there are {', '.join(e['name'] for e in integrators())}")
+
+
+def make_integrator(spec: str) -> OneStepIntegrator:
+    """An integrator from a name, as `integrator` takes it, and options: ``"MoreauJeanOSI(theta=0.5)"``.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name, no such option or choice, or the options are not ``name=value, ...``
+        with numbers and words.
+    """
+    name, bracket, rest = spec.strip().partition("(")
+    if not bracket:
+        return integrator(name)()
+    options = _options(rest.removesuffix(")")) if rest.endswith(")") else None
+    if options is None:
+        raise ValueError(f"expected an integrator as NAME or NAME(option=value, ...), got '{spec}'")
+    return integrator(name)(**options)
+
+
+def split_specs(text: str) -> list[str]:
+    """The parts of "A, B(x=1, y=2)" between commas that stand in no brackets."""
+    parts, depth = [""], 0
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        if letter == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts if part.strip()]
+
+
+def _options(text: str) -> dict[str, float | str] | None:
+    """The keywords of a call as numbers and words, None if it is something else. Nothing is executed."""
+    try:
+        call = ast.parse(f"_({text})", mode="eval").body
+        if not isinstance(call, ast.Call) or call.args:
+            return None
+        options = {str(keyword.arg): _value(keyword.value) for keyword in call.keywords}
+    except (SyntaxError, ValueError):
+        return None
+    return options
+
+
+def _value(node: ast.expr) -> float | str:
+    value = node.id if isinstance(node, ast.Name) else ast.literal_eval(node)
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError("neither a number nor a word")
+    return value
 
 
 def solver(name: str) -> str:
@@ -119,7 +170,7 @@ def _summary(cls: type) -> str:
 def _load(name: str, base: type) -> str | None:
     """Register the class that 'file.py:Class' or 'module:Class' names; None if it names no Python module."""
     source, _, class_name = name.rpartition(":")
-    module = _module(source)
+    module = load_module(source)
     if module is None:
         return None
     cls = getattr(module, class_name, None)
@@ -131,7 +182,11 @@ def _load(name: str, base: type) -> str | None:
     return str(cls.__name__)
 
 
-def _module(source: str) -> ModuleType | None:
+def load_module(source: str) -> ModuleType | None:
+    """The module that a file "….py" or "package.module" is, loaded once; None if it names no Python module.
+
+    Raises ValueError if there is no such file.
+    """
     if source.endswith(".py"):
         path = Path(source).resolve()
         if not path.is_file():

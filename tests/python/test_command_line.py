@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from saltus.io import read_hdf5
@@ -85,6 +86,95 @@ def test_errors_are_one_line(tmp_path):
 @pytest.mark.parametrize("arguments", [["reproduce", "table9"], ["nonsense"]])
 def test_misuse_exits_with_2(tmp_path, arguments):
     assert saltus(*arguments, cwd=tmp_path).returncode == 2
+
+
+COMPARE = ["compare", "ball-in-box", "--integrators", "HalfExplicitTrapezoidalOSI,MoreauJeanOSI(theta=1)"]
+BASELINE = ["--baseline", "ExplicitMoreauJeanOSI"]
+
+
+def test_compare_prints_table_3(tmp_path):
+    words = ["slider-crank", "--integrators", "HalfExplicitTrapezoidalOSI", *BASELINE, "--time-steps", "1e-4"]
+    result = saltus("compare", *words, "--max-error", "0.01", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    lines = {line.split()[1]: line for line in result.stdout.splitlines() if line.startswith("│")}
+    assert set(lines) == {"ExplicitMoreauJeanOSI", "HalfExplicitTrapezoidalOSI"}
+    for number in ("0.1526", "0.01747", "30, reference 44", "all limits hold: max-error 0.01"):
+        assert number in result.stdout
+    assert "…" not in result.stdout  # nothing is cut, though a pipe has 80 columns
+
+
+def test_compare_writes_what_a_machine_reads(tmp_path):
+    files = ["--json", "out/c.json", "--junit", "out/c.xml", "--markdown", "out/c.md"]
+    limits = ["--max-error", "0.02", "--max-penetration", "0.05"]
+    result = saltus(*COMPARE, *BASELINE, *limits, *files, cwd=tmp_path)
+    assert result.returncode == 1
+    assert "BROKEN  HalfExplicitTrapezoidalOSI, Δt = 0.005 s: max-error, 0.0257" in result.stdout
+    content = json.loads((tmp_path / "out/c.json").read_text())
+    assert content["ok"] is False
+    assert [row["integrator"] for row in content["rows"]][0] == "ExplicitMoreauJeanOSI"
+    assert content["breaches"][0]["limit"] == "max-error"
+    suite = ElementTree.parse(tmp_path / "out/c.xml").getroot()[0]
+    assert (suite.get("tests"), suite.get("errors")) == ("6", "0")
+    failed = {case.get("name") for case in suite if case.find("failure") is not None}
+    assert int(suite.get("failures")) == len(failed)
+    assert "HalfExplicitTrapezoidalOSI, Δt = 0.005 s: max-error" in failed
+    assert not any("max-penetration" in name or "until" in name for name in failed)
+    table = [line for line in (tmp_path / "out/c.md").read_text().splitlines() if line.startswith("|")]
+    assert len(table) == 5
+    assert len({line.count("|") for line in table}) == 1
+
+
+@pytest.mark.parametrize("option", ["--json", "--junit", "--markdown"])
+def test_compare_prints_one_format_alone(tmp_path, option):
+    result = saltus(*COMPARE, option, "-", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    start = {"--json": "{", "--junit": "<?xml", "--markdown": "**ball-in-box until 2 s"}[option]
+    assert result.stdout.startswith(start)
+    if option == "--json":
+        assert json.loads(result.stdout)["ok"] is True
+    if option == "--junit":
+        assert ElementTree.fromstring(result.stdout.encode()).tag == "testsuites"
+
+
+def test_converge(tmp_path):
+    words = ["ball-in-box", "--integrators", "MoreauJeanOSI", "--time-steps", "5e-3,1e-3", "--json", "c.json"]
+    result = saltus("converge", *words, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "out/converge.png").read_bytes().startswith(b"\x89PNG")
+    [comparison] = json.loads((tmp_path / "c.json").read_text())["comparisons"]
+    assert comparison["reference"] == "MoreauJeanOSI"
+    assert comparison["orders"]["q"] == pytest.approx(1.0, abs=0.2)
+    assert f"order of q: {comparison['orders']['q']:.2f}" in result.stdout
+
+
+def test_models_are_listed(tmp_path):
+    result = saltus("models", cwd=tmp_path)
+    assert result.returncode == 0
+    for text in ("slider-crank", "bouncing-ball", "ball-in-box", "Δt [s]", "1e-05"):
+        assert text in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["compare", "nonsense"], "no model named 'nonsense'"),
+        (["compare", "ball-in-box", "--integrators", "X"], "no integrator named 'X'"),
+        (["compare", "slider-crank", "--integrators", "DMinusAccelerationOSI"], "takes no friction"),
+        (["compare", "ball-in-box", "--time-steps", "small"], "numbers between commas, got 'small'"),
+        (["compare", "ball-in-box", "--min-order", "1"], "at least two time steps"),
+        (["compare", "ball-in-box", "--reference", "truth.h5"], "a reference must be INTEGRATOR@DT or"),
+        (["compare", "ball-in-box", "--json", "-", "--junit", "-"], "only one output can go to stdout"),
+        (["compare", "ball-in-box", "--json", "file/c.json"], "expected a writable folder"),
+        (["converge", "ball-in-box", "--time-steps", "1e-3"], "at least two time steps"),
+    ],
+)
+def test_misuse_of_compare_is_one_line_and_2(tmp_path, arguments, message):
+    (tmp_path / "file").write_text("")
+    result = saltus(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stdout == ""
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
 
 
 def test_stubs_agree_with_the_module():

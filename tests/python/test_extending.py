@@ -19,19 +19,9 @@ OWN = "saltus.examples.extending.trapezoidal_moreau:TrapezoidalMoreauOSI"
 
 
 @pytest.fixture(scope="session")
-def plugin(tmp_path_factory):
-    """The out-of-tree project, built against an installation of the development files."""
-    folder = tmp_path_factory.mktemp("plugin")
-    installed, build = folder / "installed", folder / "build"
-    source = ROOT / "examples/extending/plugin"
-    for command in (
-        ["cmake", "--install", ROOT / "build/dev", "--component", "development", "--prefix", installed],
-        ["cmake", "-G", "Ninja", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={installed}"],
-        ["cmake", "--build", build],
-    ):
-        done = subprocess.run(command, capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout + done.stderr
-    return build / "libown.so"
+def plugin(build_project):
+    """The out-of-tree project."""
+    return build_project(ROOT / "examples/extending/plugin") / "libown.so"
 
 
 @pytest.fixture(scope="session")

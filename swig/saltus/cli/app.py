@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -83,6 +85,112 @@ def bench(
     run(models or [], integrator or [], as_json=json)
 
 
+ModelArgument = Annotated[
+    str,
+    typer.Argument(metavar="MODEL", help="A name (`saltus models`), file.py with build(), library:function."),
+]
+Integrators = Annotated[
+    str,
+    typer.Option(
+        metavar="A,B,…", help="NAME, NAME(option=value), library:Class or file.py:Class; default: all."
+    ),
+]
+TimeSteps = Annotated[str, typer.Option(metavar="DT,DT,…", help="Time steps in s; default: the model's.")]
+Until = Annotated[float | None, typer.Option(help="End of the runs in s; default: the model's.")]
+Reference = Annotated[
+    str | None, typer.Option(metavar="INTEGRATOR@DT|FILE", help="The run, or its HDF5 file, to compare with.")
+]
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write JSON; - prints it and nothing else.")
+]
+
+
+@app.command()
+def models() -> None:
+    """List the models that bench, compare and converge know by name."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    from saltus.models import MODELS
+
+    table = Table()
+    for heading in ("model", "Δt [s]", "until [s]", "summary"):
+        table.add_column(escape(heading), no_wrap=heading != "summary")
+    for entry in MODELS.values():
+        table.add_row(entry.name, f"{entry.time_step:g}", f"{entry.until:g}", entry.summary)
+    Console().print(table)
+
+
+@app.command()
+def compare(
+    model: ModelArgument,
+    integrators: Integrators = "",
+    baseline: Annotated[str, typer.Option(metavar="INTEGRATOR", help="What time is compared with.")] = (
+        "MoreauJeanOSI"
+    ),
+    time_steps: TimeSteps = "",
+    until: Until = None,
+    reference: Reference = None,
+    max_error: Annotated[float | None, typer.Option(help="Of q, and of v away from jumps, scaled.")] = None,
+    max_energy_drift: Annotated[float | None, typer.Option(help="Over the largest kinetic energy.")] = None,
+    max_impulse_error: Annotated[float | None, typer.Option(help="Over the largest impulse.")] = None,
+    max_penetration: Annotated[float | None, typer.Option(help="In m.")] = None,
+    max_slowdown: Annotated[float | None, typer.Option(help="Time of a step over the baseline's.")] = None,
+    min_order: Annotated[float | None, typer.Option(help="Of the slope over all time steps.")] = None,
+    json: JsonFile = None,
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML; - prints it.")] = None,
+    markdown: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a Markdown table; - prints it.")
+    ] = None,
+) -> None:
+    """Compare integrators with Moreau-Jean and a reference: the check for CI, the way to choose one.
+
+    Exit status 0 if all limits hold, 1 if one is broken or a run ends early, 2 on misuse.
+    """
+    from saltus.cli.compare import run
+
+    with _misuse():
+        ok = run(
+            model,
+            integrators,
+            time_steps,
+            json_to=json,
+            junit_to=junit,
+            markdown_to=markdown,
+            baseline=baseline,
+            until=until,
+            reference=reference,
+            max_error=max_error,
+            max_energy_drift=max_energy_drift,
+            max_impulse_error=max_impulse_error,
+            max_penetration=max_penetration,
+            max_slowdown=max_slowdown,
+            min_order=min_order,
+        )
+    raise typer.Exit(code=0 if ok else 1)
+
+
+@app.command()
+def converge(
+    model: ModelArgument,
+    time_steps: Annotated[str, typer.Option(metavar="DT,DT,…", help="At least two time steps in s.")],
+    integrators: Integrators = "",
+    until: Until = None,
+    reference: Reference = None,
+    picture: Annotated[Path, typer.Option(metavar="FILE", help="Errors over the time step.")] = Path(
+        "out/converge.png"
+    ),
+    json: JsonFile = None,
+) -> None:
+    """Measure orders of convergence, against a reference or the integrator's own run, 100 times finer."""
+    from saltus.cli.compare import run_converge
+
+    with _misuse():
+        run_converge(
+            model, integrators, time_steps, picture=picture, json_to=json, until=until, reference=reference
+        )
+
+
 @app.command()
 def conformance(
     integrators: Annotated[
@@ -109,15 +217,26 @@ def conformance(
 
 def main() -> None:
     """Run the command; an error that a user can mend is one line on stderr."""
-    try:
+    with _one_line(1):
         app()
+
+
+def _misuse() -> AbstractContextManager[None]:
+    """Where 1 says that a limit is broken, misuse is 2."""
+    return _one_line(2)
+
+
+@contextmanager
+def _one_line(status: int) -> Iterator[None]:
+    try:
+        yield
     except ValueError as error:
-        _fail(str(error))
+        _fail(str(error), status)
     except OSError as error:
         text = error.strerror or str(error)
-        _fail(f"{error.filename}: {text}" if error.filename else text)
+        _fail(f"{error.filename}: {text}" if error.filename else text, status)
 
 
-def _fail(text: str) -> None:
+def _fail(text: str, status: int) -> None:
     Console(stderr=True, soft_wrap=True).print(f"saltus: {text}", style="red", markup=False)
-    sys.exit(1)
+    sys.exit(status)

@@ -13,27 +13,11 @@ from rich.table import Table
 
 from saltus import _core, registry
 from saltus.cli.progress import progress_bar
-from saltus.examples.bouncing_ball import bouncing_ball
-from saltus.examples.slider_crank import slider_crank
-from saltus.kernel import NonSmoothDynamicalSystem, integrators
+from saltus.kernel import integrators
+from saltus.models import MODELS, Example
 
 REPEATS = 7
-
-
-@dataclass(frozen=True)
-class Model:
-    """What is run: models in C++, so that the figure is the integrator's."""
-
-    build: Callable[[], NonSmoothDynamicalSystem]
-    time_step: float  # [s]
-    steps: int
-    bare_loop: Callable[[float, int], object] | None = None  # the same, written by hand
-
-
-MODELS = {
-    "slider-crank": Model(slider_crank.build, 1e-5, 40_000, _core.bare_slider_crank),
-    "bouncing-ball": Model(bouncing_ball.build, 1e-4, 60_000),
-}
+LEAST_STEPS = 40_000  #: of one repeat, in whole runs
 
 
 @dataclass(frozen=True)
@@ -97,25 +81,25 @@ def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: l
         loops[scheme] = lambda scheme=scheme: time_loop(model, scheme)  # type: ignore[misc]
     if model.bare_loop:
         loops["bare-loop"] = lambda: time_bare_loop(model)
+    runs = -(-LEAST_STEPS // model.steps)
     seconds: dict[str, list[float]] = {scheme: [] for scheme in loops}
     for _ in range(REPEATS):
         for scheme, loop in loops.items():
-            seconds[scheme].append(loop())
+            seconds[scheme].append(sum(loop() for _ in range(runs)) / runs)
     for scheme, values in seconds.items():
         us = 1e6 * statistics.median(values) / model.steps
         results.append(Result(name, scheme, us, model.steps, model.time_step))
 
 
-def time_loop(model: Model, scheme: str) -> float:
+def time_loop(model: Example, scheme: str) -> float:
     """Seconds of one run, its preparation excluded."""
     simulation = _core.TimeSteppingBase(model.build(), registry.integrator(scheme)(), model.time_step, "auto")
-    until = (model.steps + 0.5) * model.time_step
     start = time.perf_counter()
-    simulation.advance(until, None)
+    simulation.advance(model.until, None)
     return time.perf_counter() - start
 
 
-def time_bare_loop(model: Model) -> float:
+def time_bare_loop(model: Example) -> float:
     """Seconds of the loop written by hand."""
     assert model.bare_loop
     start = time.perf_counter()

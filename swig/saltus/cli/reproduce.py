@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from saltus.cli.out import require_writable, save, write_json
@@ -125,7 +126,7 @@ def grid_of(rows: Sequence[Row], variant: str) -> Table:
     grid = Table()
     grid.add_column(f"scheme ({variant})", no_wrap=True)
     for heading in ("Δt [s]", "error", "paper", "order", "µs/step"):
-        grid.add_column(heading, justify="right", no_wrap=True)
+        grid.add_column(escape(heading), justify="right", no_wrap=True)
     for before, row in zip([rows[0], *rows], rows, strict=False):
         if before.scheme != row.scheme:
             grid.add_section()

@@ -1,0 +1,116 @@
+"""Models by name: the table of the examples, Python files, and models that a plugin composes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Real
+from types import ModuleType
+
+from saltus import _core, registry
+from saltus._core import NonSmoothDynamicalSystemBase
+from saltus.examples.ball_in_box import ball_in_box
+from saltus.examples.bouncing_ball import bouncing_ball
+from saltus.examples.slider_crank import slider_crank
+
+
+@dataclass(frozen=True)
+class Model:
+    """How a model is composed, and how it is run where nothing else is said."""
+
+    name: str
+    summary: str
+    build: Callable[[], NonSmoothDynamicalSystemBase]
+    time_step: float | None  #: Δt [s], None if its author names none
+    until: float | None  #: [s], likewise
+    reference: str | None = None  #: INTEGRATOR@DT whose run stands for the truth
+
+
+@dataclass(frozen=True)
+class Example(Model):
+    """A model of the table."""
+
+    time_step: float  #: Δt [s]
+    until: float  #: [s]
+    bare_loop: Callable[[float, int], object] | None = None  #: the same in C++, written by hand: (Δt, steps)
+
+    @property
+    def steps(self) -> int:
+        """Of one run."""
+        return round(self.until / self.time_step)
+
+
+MODELS = {
+    model.name: model
+    for model in (
+        Example(
+            "slider-crank",
+            "slider crank with impacts and dry friction, Table 3 of the paper",
+            slider_crank.build,
+            1e-5,
+            0.1,
+            "HalfExplicitTrapezoidalOSI@1e-7",
+            _core.bare_slider_crank,
+        ),
+        Example(
+            "bouncing-ball",
+            "a ball that bounces ever faster until it lies still at 4.06 s",
+            bouncing_ball.build,
+            1e-4,
+            5.0,
+        ),
+        Example(
+            "ball-in-box",
+            "a ball in an oblique box, at rest on two sides in the end, Section 5.2 of the paper",
+            ball_in_box.build,
+            5e-3,
+            2.0,
+        ),
+    )
+}
+
+
+def model(name: str | os.PathLike[str]) -> Model:
+    """The model of that name.
+
+    Parameters
+    ----------
+    name : in the table; "file.py" or "package.module" with ``build() -> NonSmoothDynamicalSystem`` and, if
+        wanted, TIME_STEP [s], UNTIL [s] and REFERENCE ("INTEGRATOR@DT"); "library:function" of a plugin
+
+    Raises
+    ------
+    ValueError
+        If there is none, or what the name says cannot be loaded.
+    """
+    text = os.fspath(name)
+    if text in MODELS:
+        return MODELS[text]
+    module = registry.load_module(text)
+    if module is not None:
+        return _of_module(text, module)
+    if ":" in text:
+        _core.load_model(text)  # an error now, not when it is run
+        return Model(text, "", lambda: _core.load_model(text), None, None)
+    raise ValueError(
+        f"no model named '{text}', there are {', '.join(MODELS)}; a file must end in .py, a plugin be named "
+        "library:function"
+    )
+
+
+def _of_module(text: str, module: ModuleType) -> Model:
+    build = getattr(module, "build", None)
+    if not callable(build):
+        raise ValueError(f"'{text}' must define build() -> NonSmoothDynamicalSystem, got no such function")
+    numbers = {}
+    for name in ("TIME_STEP", "UNTIL"):
+        value = getattr(module, name, None)
+        if value is not None and (not isinstance(value, Real) or isinstance(value, bool)):
+            raise ValueError(f"'{text}': {name} must be a number of seconds, got {value!r}")
+        numbers[name] = None if value is None else float(value)
+    reference = getattr(module, "REFERENCE", None)
+    if reference is not None and not isinstance(reference, str):
+        raise ValueError(f"'{text}': REFERENCE must be a text INTEGRATOR@DT, got {reference!r}")
+    summary = (module.__doc__ or "").partition("\n")[0]
+    return Model(text, summary, build, numbers["TIME_STEP"], numbers["UNTIL"], reference)
