@@ -41,25 +41,35 @@ void ForceJacobians::evaluate(int block, double t, const Vec& q, const Vec& v) {
     A->resize(n, n);
     A->view().setZero();
   }
-  for (int system : partition_->blocks[block]) add_system(system, t, q, v);
+  if (partition_->blocks[block].size() == 1)  // the system's are the block's
+    evaluate_system(partition_->blocks[block][0], t, q, v, dh_dq_, dh_dv_);
+  else
+    for (int system : partition_->blocks[block]) add_system(system, t, q, v);
   for (int force : forces_[block]) add_element(layout_->forces[force], t, q, v);
 }
 
 void ForceJacobians::add_system(int system, double t, const Vec& q, const Vec& v) {
-  const auto& slot = layout_->systems[system];
-  const In local_q(q.data() + slot.offset, slot.n), local_v(v.data() + slot.offset, slot.n);
+  const int n = layout_->systems[system].n, at = partition_->places[system].offset;
   for (PoolMatrix* A : {&local_dq_, &local_dv_}) {
-    A->resize(slot.n, slot.n);
+    A->resize(n, n);
     A->view().setZero();
   }
-  if (!slot.model->force_jacobians(t, local_q, local_v, local_dq_.view(), local_dv_.view()))
-    differentiate(*slot.model, t, local_q, local_v);
-  const int at = partition_->places[system].offset;
-  dh_dq_.view().block(at, at, slot.n, slot.n) += local_dq_.view();
-  dh_dv_.view().block(at, at, slot.n, slot.n) += local_dv_.view();
+  evaluate_system(system, t, q, v, local_dq_, local_dv_);
+  dh_dq_.view().block(at, at, n, n) = local_dq_.view();
+  dh_dv_.view().block(at, at, n, n) = local_dv_.view();
 }
 
-void ForceJacobians::differentiate(const LagrangianDS& model, double t, const In& q, const In& v) {
+// @param[out] dh_dq, dh_dv  (n, n) of the system, starting as zero
+void ForceJacobians::evaluate_system(int system, double t, const Vec& q, const Vec& v, PoolMatrix& dh_dq,
+                                     PoolMatrix& dh_dv) {
+  const auto& slot = layout_->systems[system];
+  const In local_q(q.data() + slot.offset, slot.n), local_v(v.data() + slot.offset, slot.n);
+  if (!slot.model->force_jacobians(t, local_q, local_v, dh_dq.view(), dh_dv.view()))
+    differentiate(*slot.model, t, local_q, local_v, dh_dq, dh_dv);
+}
+
+void ForceJacobians::differentiate(const LagrangianDS& model, double t, const In& q, const In& v,
+                                   PoolMatrix& dh_dq, PoolMatrix& dh_dv) {
   const int n = static_cast<int>(q.size());
   for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->resize(n);
   auto forces = [&](const double* at_q, const double* at_v, PoolVec& h) {
@@ -69,7 +79,7 @@ void ForceJacobians::differentiate(const LagrangianDS& model, double t, const In
   forces(q.data(), v.data(), h_);
   for (const bool in_q : {true, false}) {
     const In& x = in_q ? q : v;
-    PoolMatrix& slope = in_q ? local_dq_ : local_dv_;
+    PoolMatrix& slope = in_q ? dh_dq : dh_dv;
     ahead_.view() = x;
     for (int j = 0; j < n; ++j) {
       const double step = step_at(x[j]);

@@ -24,7 +24,10 @@ class ForceJacobians {
 
  private:
   void add_system(int system, double t, const Vec& q, const Vec& v);
-  void differentiate(const LagrangianDS& model, double t, const In& q, const In& v);
+  void evaluate_system(int system, double t, const Vec& q, const Vec& v, PoolMatrix& dh_dq,
+                       PoolMatrix& dh_dv);
+  void differentiate(const LagrangianDS& model, double t, const In& q, const In& v, PoolMatrix& dh_dq,
+                     PoolMatrix& dh_dv);
   void add_element(const Layout::Force& force, double t, const Vec& q, const Vec& v);
   void add(const Layout::Force& force, const PoolMatrix& local, PoolMatrix& all) const;
 

@@ -15,10 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 from saltus import _core, registry
 from saltus._core import (
+    Actuator,
     CheckItem,
     Configuration,
     ContactStage,
+    Distance,
     EqualityConditionNSL,
+    ForceElement,
+    ForceLaw,
     Interaction,
     LagrangianDS,
     LagrangianLinearTIDS,
@@ -30,6 +34,7 @@ from saltus._core import (
     OneStepIntegrator,
     Reactions,
     SimulationError,
+    SpringDamper,
     State,
     StepFailure,
     StepReport,
@@ -44,12 +49,16 @@ if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
 __all__ = [
+    "Actuator",
     "Box",
     "CheckReport",
     "Configuration",
     "ContactStage",
     "Disc",
+    "Distance",
     "EqualityConditionNSL",
+    "ForceElement",
+    "ForceLaw",
     "Interaction",
     "LagrangianDS",
     "LagrangianLinearTIDS",
@@ -65,6 +74,7 @@ __all__ = [
     "Reactions",
     "Shape",
     "SimulationError",
+    "SpringDamper",
     "State",
     "StepFailure",
     "StepReport",
@@ -113,7 +123,7 @@ def _verdict(item: CheckItem) -> str:
 
 
 class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
-    """Dynamical systems and the interactions between them, or with the ground.
+    """Dynamical systems, the interactions and the force elements between them, or with the ground.
 
     Positions q and velocities v of the whole are those of the systems, one after the other.
 
@@ -157,6 +167,7 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         Normal rows of the Jacobian against the gap's gradient, curvature against the Jacobian's rate, the
         part of the forces that is even in v against what a varying mass matrix demands, forces at rest
         against the potential energy where it is defined ("see": forces without potential are no error),
+        the Jacobian of force elements against the gradient of their length,
         gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))

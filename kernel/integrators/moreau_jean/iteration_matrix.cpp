@@ -25,8 +25,7 @@ StepStatus IterationMatrix::update(double theta, double dt, double t, const Conf
     if (jacobians_.time_invariant(k) && same_step) continue;
     jacobians_.evaluate(k, t, q, v);
     Block& block = blocks_[k];
-    block.A = -theta * dt * jacobians_.dh_dv();
-    block.A -= theta * theta * dt * dt * jacobians_.dh_dq();
+    block.A = -theta * dt * jacobians_.dh_dv() - theta * theta * dt * dt * jacobians_.dh_dq();
     for (int system : partition()->blocks[k]) {
       const int n = layout_->systems[system].n, at = partition()->places[system].offset;
       block.A.block(at, at, n, n) += position.mass(system);
@@ -50,6 +49,10 @@ void IterationMatrix::solve_block(int k, double* x) const {
 void IterationMatrix::solve(Vec& x) const {
   for (int k = 0; k < static_cast<int>(blocks_.size()); ++k) {
     const std::vector<int>& systems = partition()->blocks[k];
+    if (systems.size() == 1) {
+      solve_block(k, x.data() + layout_->systems[systems[0]].offset);
+      continue;
+    }
     gathered_.resize(partition()->sizes[k]);
     auto parts = [&](auto copy) {
       double* part = gathered_.data();
