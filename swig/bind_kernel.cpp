@@ -8,6 +8,7 @@
 #include "saltus/kernel/model/distance.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 #include "saltus/kernel/model/requirements.hpp"
+#include "saltus/kernel/simulation/stability.hpp"
 #include "saltus/kernel/simulation/time_stepping.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 
@@ -386,6 +387,19 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("v", [](const TimeStepping& self) { return to_array(self.state().v); });
 }
 
+void bind_stability(py::module_& module) {
+  module.def(
+      "stability_warning",
+      [](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& scheme,
+         double time_step) -> std::optional<std::string> {
+        const std::optional<Instability> found = find_instability(system, scheme, time_step);
+        if (!found) return std::nullopt;
+        return found->message(scheme.name());
+      },
+      py::arg("system"), py::arg("integrator"), py::arg("time_step"),
+      "A sentence if time_step is beyond the stability limit of the scheme, else None.");
+}
+
 // SimulationError is a Python class with the attributes of the C++ one.
 void bind_error(py::module_& module) {
   static py::handle error;
@@ -419,6 +433,7 @@ void bind_kernel(py::module_& module) {
   bind_force_elements(module);
   bind_model(module);
   bind_simulation(module);
+  bind_stability(module);
   bind_error(module);
 }
 

@@ -319,6 +319,10 @@ class TimeSteppingBase:
     @property
     def v(self) -> FloatArray: ...
 
+def stability_warning(
+    system: NonSmoothDynamicalSystemBase, integrator: OneStepIntegrator, time_step: float
+) -> str | None: ...
+
 class SimulationError(RuntimeError):
     time: float
     step: int

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -75,6 +76,7 @@ __all__ = [
     "Shape",
     "SimulationError",
     "SpringDamper",
+    "StabilityWarning",
     "State",
     "StepFailure",
     "StepReport",
@@ -184,6 +186,10 @@ def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
+class StabilityWarning(UserWarning):
+    """The time step is beyond the stability limit of the scheme: free oscillations grow."""
+
+
 class TimeStepping(_core.TimeSteppingBase):
     """Event-capturing simulation with fixed steps, t_k = t0 + k Δt.
 
@@ -206,6 +212,13 @@ class TimeStepping(_core.TimeSteppingBase):
         model, or the model's mass, forces, gaps or Jacobians are not finite at t0.
     OSError
         If the file cannot be written, FileExistsError if there is another file than a run.
+
+    Warns
+    -----
+    StabilityWarning
+        If the fastest free oscillation of the linear time-invariant systems, with the force elements between
+        them, grows by more than 1 % in a period; it names the largest stable Δt. Contacts and systems that
+        are not linear are not judged.
     """
 
     def __init__(
@@ -227,6 +240,8 @@ class TimeStepping(_core.TimeSteppingBase):
         if not isinstance(time_step, Real):
             raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
         super().__init__(system, scheme, float(time_step), registry.solver(solver))
+        if (unstable := _core.stability_warning(system, scheme, float(time_step))) is not None:
+            warnings.warn(unstable, StabilityWarning, stacklevel=2)
         recording = _core.Recording(record_every)
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
