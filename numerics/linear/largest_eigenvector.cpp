@@ -2,14 +2,15 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <algorithm>
+#include <Eigen/SparseCore>
 #include <cmath>
 
 namespace saltus {
 namespace {
 
-constexpr int few = 24;           // a complete decomposition takes below a millisecond
+constexpr int few = 40;           // a complete decomposition takes below a millisecond
 constexpr int most_vectors = 64;  // of a Krylov space
+constexpr int vectors_between_looks = 8;
 constexpr double tolerance = 1e-10;
 
 using Columns = Eigen::MatrixXd;
@@ -25,30 +26,63 @@ Vec start(Eigen::Index n) {
   return x;
 }
 
-// Lanczos iteration for B = L⁻¹ A L⁻ᵀ with full orthogonalisation
-Vec lanczos(const Matrix& A, const Eigen::LLT<Columns>& M) {
-  const Eigen::Index n = A.rows();
-  const int most = static_cast<int>(std::min<Eigen::Index>(most_vectors, n));
-  Columns V = Columns::Zero(n, most), T = Columns::Zero(most, most);
-  Vec x = start(n), top;
-  double last = 0.0;
-  for (int k = 0; k < most; ++k) {
-    const double size = x.norm();
-    if (k > 0 && size <= tolerance * std::abs(last)) break;  // an invariant subspace
-    if (k > 0) T(k, k - 1) = T(k - 1, k) = size;
-    V.col(k) = x / size;
-    x = M.matrixU().solve(Vec(V.col(k)));
-    x = A * x;
-    M.matrixL().solveInPlace(x);
-    T(k, k) = x.dot(V.col(k));
-    for (int pass = 0; pass < 2; ++pass) x -= V.leftCols(k + 1) * (V.leftCols(k + 1).transpose() * x);
-    const Eigen::SelfAdjointEigenSolver<Columns> small(T.topLeftCorner(k + 1, k + 1));
-    top = V.leftCols(k + 1) * small.eigenvectors().col(k);
-    const double value = small.eigenvalues()[k];
-    if (k > 0 && std::abs(value - last) <= tolerance * std::abs(value)) break;
-    last = value;
+// x <- L⁻¹ A L⁻ᵀ x with M = L Lᵀ
+class Product {
+ public:
+  Product(const Matrix& A, const Matrix& M) : A_(A.sparseView()) {
+    if (M.isDiagonal(0.0))
+      inverse_root_ = M.diagonal().cwiseSqrt().cwiseInverse();
+    else
+      factor_.compute(M);
   }
-  M.matrixU().solveInPlace(top);
+  bool defined() const {
+    return inverse_root_.size() ? inverse_root_.allFinite() : factor_.info() == Eigen::Success;
+  }
+  void apply(Vec& x) const {
+    to_mode(x);
+    x = (A_ * x).eval();
+    if (inverse_root_.size())
+      x = x.cwiseProduct(inverse_root_);
+    else
+      factor_.matrixL().solveInPlace(x);
+  }
+  /// x <- L⁻ᵀ x
+  void to_mode(Vec& x) const {
+    if (inverse_root_.size())
+      x = x.cwiseProduct(inverse_root_);
+    else
+      factor_.matrixU().solveInPlace(x);
+  }
+
+ private:
+  Eigen::SparseMatrix<double> A_;  // most large ones couple neighbours only
+  Vec inverse_root_;               // of a diagonal M
+  Eigen::LLT<Columns> factor_;
+};
+
+// Lanczos iteration with full orthogonalisation; looks at the value every few vectors
+Vec lanczos(const Product& product, Eigen::Index n) {
+  Columns V = Columns::Zero(n, most_vectors), T = Columns::Zero(most_vectors, most_vectors);
+  Vec x = start(n), top;
+  double last = 0.0, size = x.norm();
+  for (int k = 1; k <= most_vectors; ++k) {
+    V.col(k - 1) = x / size;
+    x = V.col(k - 1);
+    product.apply(x);
+    T(k - 1, k - 1) = x.dot(V.col(k - 1));
+    for (int pass = 0; pass < 2; ++pass) x -= V.leftCols(k) * (V.leftCols(k).transpose() * x);
+    size = x.norm();
+    const bool complete = k == most_vectors || size <= tolerance * T.topLeftCorner(k, k).norm();
+    if (complete || k % vectors_between_looks == 0) {
+      const Eigen::SelfAdjointEigenSolver<Columns> small(T.topLeftCorner(k, k));
+      const double value = small.eigenvalues()[k - 1];
+      top = V.leftCols(k) * small.eigenvectors().col(k - 1);
+      if (complete || std::abs(value - last) <= tolerance * std::abs(value)) break;
+      last = value;
+    }
+    T(k, k - 1) = T(k - 1, k) = size;
+  }
+  product.to_mode(top);
   return top;
 }
 
@@ -56,12 +90,11 @@ Vec lanczos(const Matrix& A, const Eigen::LLT<Columns>& M) {
 
 Vec largest_eigenvector(const Matrix& A, const Matrix& M) {
   if (!A.allFinite()) return {};
-  const Eigen::LLT<Columns> factor(M);
-  if (factor.info() != Eigen::Success) return {};
   if (A.rows() == 1) return Vec::Constant(1, 1.0 / std::sqrt(M(0, 0)));
-  if (A.rows() > few) return lanczos(A, factor);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Columns> all(A, M);
-  return all.eigenvectors().col(A.rows() - 1);
+  if (A.rows() <= few)
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Columns>(A, M).eigenvectors().rightCols<1>();
+  const Product product(A, M);
+  return product.defined() ? lanczos(product, A.rows()) : Vec();
 }
 
 }  // namespace saltus

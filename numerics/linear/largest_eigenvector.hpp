@@ -7,7 +7,7 @@ namespace saltus {
 /// decomposition of small matrices, of larger ones by Lanczos iteration, which comes near from below.
 /// @param A  (n, n) symmetric
 /// @param M  (n, n) symmetric positive definite
-/// @return (n), empty if M is not positive definite or A is not finite
+/// @return (n), empty if A is not finite
 Vec largest_eigenvector(const Matrix& A, const Matrix& M);
 
 }  // namespace saltus
