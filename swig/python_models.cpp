@@ -204,13 +204,17 @@ Actuator make_actuator(const py::object& force, const ArrayLike& parameters) {
     refuse_parameters("Python function");
     return Actuator(callable_force(force));
   }
-  if (!py::isinstance<py::float_>(force) && !PyNumber_Check(force.ptr()))
+  const double constant = PyFloat_AsDouble(force.ptr());
+  if (constant == -1.0 && PyErr_Occurred()) {
+    PyErr_Clear();
     throw py::type_error(
-        "force must be a number, a function of (t, length, rate), a compiled one or a pointer "
-        "to a C function, got " +
+        "force must be a number, a function of (t, length, rate), a compiled one or a pointer to a C "
+        "function, "
+        "got " +
         std::string(Py_TYPE(force.ptr())->tp_name));
+  }
   refuse_parameters("number");
-  return Actuator(force.cast<double>());
+  return Actuator(constant);
 }
 
 }  // namespace saltus::python

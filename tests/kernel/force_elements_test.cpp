@@ -200,8 +200,8 @@ class CountedDistance final : public Relation {
   Distance distance_;
 };
 
-// Without the turning of W it does not converge at all.
-// A taut spring whose own stiffness and whose tension are both stiff: (Δt/2)² k/m = 2500.
+// A taut spring whose own stiffness and whose tension are both stiff: (Δt/2)² k/m = 2500. Without the turning
+// of W the iteration does not converge at all.
 TEST(MoreauJeanWithElements, NewtonConvergesQuadraticallyAlsoInStiffSprings) {
   const auto point =
       std::make_shared<LagrangianLinearTIDS>(vec({0.6, -0.8}), vec({1.0, 0.5}), Matrix::Identity(2, 2));

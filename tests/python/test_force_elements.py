@@ -183,6 +183,7 @@ def test_an_element_outlives_its_python_names():
         (lambda: sk.SpringDamper(math.nan), ValueError, "stiffness must be finite, got nan"),
         (lambda: sk.Actuator(math.inf), ValueError, "force must be finite, got inf"),
         (lambda: sk.Actuator(None), TypeError, "force must be a number, .* got NoneType"),
+        (lambda: sk.Actuator(1j), TypeError, "force must be a number, .* got complex"),
         (lambda: sk.Actuator(1.0, [2.0]), ValueError, "parameters are for compiled .* a number"),
         (lambda: sk.Actuator(math.hypot, [2.0]), ValueError, "parameters are for .* a Python function"),
         (
