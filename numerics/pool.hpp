@@ -15,7 +15,21 @@ using Out = Eigen::Map<Vec>;
 using InMatrix = Eigen::Map<const Matrix>;
 using OutMatrix = Eigen::Map<Matrix>;
 
-/// y <- y + a x. For the few freedoms of a mechanism a plain loop costs a third of Eigen's.
+/// xᵀ y. For the few freedoms of a mechanism a plain loop costs a third of Eigen's.
+inline double dot(const Vec& x, const Vec& y) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0, n = x.size(); i < n; ++i) sum += x.data()[i] * y.data()[i];
+  return sum;
+}
+
+/// Is every entry finite? Likewise.
+inline bool all_finite(const Vec& x) {
+  double sum = 0.0;  // NaN as soon as one is not
+  for (Eigen::Index i = 0, n = x.size(); i < n; ++i) sum += 0.0 * x.data()[i];
+  return sum == 0.0;
+}
+
+/// y <- y + a x, likewise.
 inline void add_scaled(double a, const Vec& x, Vec& y) {
   const double* from = x.data();
   double* to = y.data();

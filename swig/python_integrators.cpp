@@ -152,10 +152,8 @@ Vec PyConfiguration::velocities(const Vec& v) {
 }
 
 std::vector<int> PyConfiguration::closed() const {
-  std::vector<int> all;
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    if (configuration_.closed(k)) all.push_back(k);
-  return all;
+  const auto closed = configuration_.closed_contacts();
+  return {closed.begin(), closed.end()};
 }
 
 double PyConfiguration::kinetic_energy(const Vec& v) const {

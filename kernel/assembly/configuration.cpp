@@ -18,6 +18,7 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
   mass_.assign(layout_->mass_entries, 0.0);
   jacobians_.assign(layout_->jacobian_entries, 0.0);
   has_jacobian_.assign(layout_->contacts.size(), 0);
+  closed_.assign(layout_->contacts.size(), 0);
   factors_.resize(layout_->systems.size());
   auto constant = std::make_shared<std::vector<SpdFactor>>(layout_->systems.size());
   for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
@@ -45,8 +46,12 @@ void Configuration::move_without_gaps(const Vec& q) {
 void Configuration::move_to(const Vec& q) {
   move_without_gaps(q);
   gaps_.setZero();
-  for (const auto& contact : layout_->contacts)
+  closed_count_ = 0;
+  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
+    const auto& contact = layout_->contacts[k];
     contact.relation->gap(local(contact, q_, local_q_), {gaps_.data() + contact.gap, contact.gaps});
+    if (closed(k)) closed_[closed_count_++] = k;
+  }
 }
 
 bool Configuration::factorise() {
@@ -102,8 +107,8 @@ bool Configuration::finite(int contact) const {
 
 double Configuration::penetration() const {
   double deepest = 0.0;
-  for (const auto& contact : layout_->contacts)
-    if (!contact.law->bilateral) deepest = std::max(deepest, -gaps_[contact.gap]);
+  for (int k : closed_contacts())
+    if (!layout_->contacts[k].law->bilateral) deepest = std::max(deepest, -gaps_[layout_->contacts[k].gap]);
   return deepest;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "saltus/kernel/assembly/partition.hpp"
@@ -24,6 +25,7 @@ class Configuration final : public BlockInverse {
   bool factorise();
   /// x <- M⁻¹ x for one system, x (n of it)
   void solve_block(int system, double* x) const override { factor(system).solve(x); }
+  bool constant() const override { return !layout_->varying_mass; }
   /// x <- M⁻¹ x, x (n)
   void solve_mass(Vec& x) const;
   /// y <- M x, both (n), after factorise()
@@ -42,9 +44,11 @@ class Configuration final : public BlockInverse {
     const auto& slot = layout_->contacts[contact];
     return slot.law->bilateral || gaps_[slot.gap] <= 0.0;
   }
+  /// All of them, in ascending order.
+  std::span<const int> closed_contacts() const { return {closed_.data(), closed_count_}; }
   /// Are the contact's gaps finite? A NaN would count as open.
   bool finite(int contact) const;
-  bool finite() const { return gaps_.allFinite(); }
+  bool finite() const { return all_finite(gaps_); }
   /// Largest -g of the unilateral contacts, or 0 [m]
   double penetration() const;
 
@@ -75,6 +79,9 @@ class Configuration final : public BlockInverse {
   std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;  // shared by copies
   Vec q_, gaps_, local_q_, local_v_, curvature_;
   std::vector<double> mass_, jacobians_;
+  std::vector<int>
+      closed_;  // as many as there are contacts: a copy of a vector keeps its size, not its capacity
+  std::size_t closed_count_ = 0;
   std::vector<SpdFactor> factors_;
   std::vector<unsigned char> has_jacobian_;
   bool factorised_ = false;

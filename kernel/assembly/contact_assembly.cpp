@@ -47,6 +47,9 @@ void ContactAssembly::place(const Layout::Contact& contact) {
 
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
                                Configuration& force, const BlockInverse& inverse) {
+  const bool constant = inverse.constant() && !layout_->varying_jacobian;
+  if (constant && constant_ && active == active_) return;  // G is still what it was
+  constant_ = constant;
   active_ = active;
   problem_.sets.clear();
   for (int block : touched_) touching_[block].clear();

@@ -70,6 +70,7 @@ class ContactAssembly {
   std::shared_ptr<const Partition> partition_;
   ContactProblem problem_;
   std::vector<int> active_;
+  bool constant_ = false;  // G depends on active_ alone
   std::vector<Span> spans_;
   std::vector<Extent> extents_;               // of each contact
   std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ of all contacts

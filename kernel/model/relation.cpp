@@ -32,9 +32,12 @@ void LagrangianLinearTIR::require_dimension(int n) const {
 }
 
 void LagrangianLinearTIR::gap(const In& q, Out g) const {
-  const auto rows = g.size();
-  g.noalias() = H_.topRows(rows) * q;
-  g += b_.head(rows);
+  const double* row = H_.data();  // a plain loop: contacts have few rows
+  for (Eigen::Index i = 0; i < g.size(); ++i, row += H_.cols()) {
+    double sum = b_[i];
+    for (Eigen::Index j = 0; j < H_.cols(); ++j) sum += row[j] * q[j];
+    g[i] = sum;
+  }
 }
 
 void LagrangianLinearTIR::jacobian(const In&, OutMatrix J) const { J = H_; }

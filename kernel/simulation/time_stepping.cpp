@@ -105,11 +105,11 @@ void TimeStepping::check_start() {
   view_.factorise();
   report_.kinetic_energy = view_.kinetic_energy(state_.v);
   report_.penetration = view_.penetration();
+  report_.closed = static_cast<int>(view_.closed_contacts().size());
   for (std::size_t k = 0; k < layout_->contacts.size(); ++k) {
     const auto& contact = layout_->contacts[k];
     const int index = static_cast<int>(k);
     const std::string who = " of '" + model_.links()[k].name + "' at t0 must be finite, got NaN or infinity";
-    report_.closed += view_.closed(index);
     if (!view_.gaps().segment(contact.gap, contact.gaps).allFinite())
       throw std::invalid_argument("gap" + who);
     if (!InMatrix(view_.jacobian(index), contact.rows, contact.n).allFinite())

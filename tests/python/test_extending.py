@@ -260,7 +260,8 @@ class GaussSeidelInPython(sn.ContactSolver):
     def solve(self, G, b, sets, P):
         for _ in range(100):
             for i in range(len(b)):
-                P[i] = max(0.0, P[i] - (G[i] @ P + b[i]) / G[i, i])
+                if G[i, i] > 0:
+                    P[i] = max(0.0, P[i] - (G[i] @ P + b[i]) / G[i, i])
         return 100
 
 

@@ -33,9 +33,7 @@ class TrapezoidalMoreau final : public OneStepIntegrator {
     if (!end.finite() || !accelerate(end, state.t + dt, v1_, a1_, report)) return report;
     before_ = state.v + 0.5 * dt * (a_ + a1_);
 
-    active_.clear();
-    for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-      if (end.closed(k)) active_.push_back(k);
+    active_.assign(end.closed_contacts().begin(), end.closed_contacts().end());
     ContactAssembly& assembly = contacts_->assembly();
     assembly.assemble(active_, end, end, end);
     assembly.set_b(end, before_);

@@ -118,7 +118,7 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
   next.v = stages_[0].v;  // v_free: everything but λ_{l-1}
   for (int k = 0; k < l - 1; ++k) {
     add_scaled(dt * tableau_.Av(l - 1, k), stages_[k].acceleration, next.v);
-    add_scaled(dt * tableau_.Av(l - 1, k), stages_[k].reaction, next.v);
+    if (stages_[k].loaded) add_scaled(dt * tableau_.Av(l - 1, k), stages_[k].reaction, next.v);
   }
   add_scaled(weight, force.acceleration, next.v);
 
@@ -126,8 +126,8 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
     constrain_velocity(l, dt);
   else
     constrain_acceleration(l, dt);
-  force.reaction.setZero();
-  if (active_.empty()) {
+  force.loaded = !active_.empty();
+  if (!force.loaded) {
     force.lambda.setZero();
   } else {
     ContactAssembly& assembly = contacts_->assembly();
@@ -135,6 +135,7 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
     if (!contacts_->solve(report)) return false;
     force.lambda.setZero();
     assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
+    force.reaction.setZero();
     assembly.apply(1.0 / weight, contacts_->P().data(), force.reaction);
     add_scaled(weight, force.reaction, next.v);
   }
@@ -176,16 +177,13 @@ void HalfExplicit::constrain_acceleration(int l, double dt) {
 
 // Contacts with g <= 0 and the bilateral ones, S1 of (51)
 void HalfExplicit::choose_closed(const Configuration& at) {
-  active_.clear();
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    if (at.closed(k)) active_.push_back(k);
+  active_.assign(at.closed_contacts().begin(), at.closed_contacts().end());
 }
 
 // Closed contacts that do not open, S2 of (52); the solver's tolerance must not tell those at rest apart
 void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double dt) {
   active_.clear();
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
-    if (!at.closed(k)) continue;
+  for (int k : at.closed_contacts()) {
     const auto& contact = layout_->contacts[k];
     at.relative_velocity(k, stage.v, gamma_.data() + contact.row);
     const double zero = at.velocity_tolerance(k, stage.v, stage.acceleration, dt);
@@ -194,8 +192,8 @@ void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double 
 }
 
 bool HalfExplicit::newly_closed() {
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
-    if (at(s_ + 1).closed(k) && !at(0).closed(k)) return true;
+  for (int k : at(s_ + 1).closed_contacts())
+    if (!at(0).closed(k)) return true;
   return false;
 }
 
@@ -227,8 +225,8 @@ void HalfExplicit::take_work(double dt, StepReport& report) {
     report.work_forces = inertia_work(at(0), at(s_ + 1), stages_[0].v, stages_[s_ + 1].v);
   for (int k = 0; k <= s_; ++k) {
     const double weight = dt * tableau_.Av(s_, k);
-    report.work_forces += weight * stages_[k].h.dot(stages_[k].v);
-    if (!report.impulsive) report.work_lambda += weight * lambda_power(k);
+    report.work_forces += weight * dot(stages_[k].h, stages_[k].v);
+    if (!report.impulsive && stages_[k].loaded) report.work_lambda += weight * lambda_power(k);
   }
 }
 
@@ -248,7 +246,7 @@ double HalfExplicit::lambda_power(int k) {
 
 void HalfExplicit::commit(double dt, State& state, Reactions& reactions, StepReport& report) {
   Configuration& end = at(s_ + 1);
-  if (!stages_[s_ + 1].v.allFinite() || !end.q().allFinite()) {
+  if (!all_finite(stages_[s_ + 1].v) || !all_finite(end.q())) {
     report.status = StepStatus::not_finite;
     return;
   }

@@ -38,11 +38,12 @@ class HalfExplicit final : public OneStepIntegrator {
 
  private:
   struct Stage {
-    Vec v;             // velocity
-    Vec h;             // forces
-    Vec acceleration;  // M⁻¹h
-    Vec reaction;      // M⁻¹Wλ
-    Vec lambda;        // (rows of all contacts) [N]
+    Vec v;                // velocity
+    Vec h;                // forces
+    Vec acceleration;     // M⁻¹h
+    bool loaded = false;  // contacts carry λ; else λ is zero, and reaction is not looked at
+    Vec reaction;         // M⁻¹Wλ
+    Vec lambda;           // (rows of all contacts) [N]
   };
 
   void begin(const State& state, const Reactions& reactions);
@@ -65,8 +66,8 @@ class HalfExplicit final : public OneStepIntegrator {
   Level level_;
   Activity activity_;
   int s_;                           // rows 1..s_, output s_+1
-  std::vector<bool> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
-  std::vector<bool> same_as_last_;  // per row: its position is that of the row before
+  std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
+  std::vector<char> same_as_last_;  // per row: its position is that of the row before
 
   std::shared_ptr<const Layout> layout_;
   std::vector<Configuration> configurations_;

@@ -70,7 +70,7 @@ void ExplicitMoreauJean::commit(double dt, State& state, Reactions& reactions, S
     report.status = StepStatus::not_finite;
     return;
   }
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) report.closed += end.closed(k);
+  report.closed = static_cast<int>(end.closed_contacts().size());
   report.penetration = end.penetration();
   report.kinetic_energy = end.kinetic_energy(v_);
   state.t += dt;

@@ -145,7 +145,7 @@ void MoreauJean::commit(double dt, State& state, Reactions& reactions, StepRepor
     end.relative_velocity(k, change_, gamma);
     report.work_impulse += reactions.impulse.segment(contact.row, contact.rows).dot(In(gamma, contact.rows));
   }
-  for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) report.closed += end.closed(k);
+  report.closed = static_cast<int>(end.closed_contacts().size());
   report.penetration = end.penetration();
   state.t += dt;
   state.q = end.q();
