@@ -5,9 +5,11 @@
 #include "functions.hpp"
 #include "python_models.hpp"
 #include "saltus/kernel/model/check.hpp"
+#include "saltus/kernel/model/distance.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 #include "saltus/kernel/model/plugin_model.hpp"
 #include "saltus/kernel/model/requirements.hpp"
+#include "saltus/kernel/simulation/stability.hpp"
 #include "saltus/kernel/simulation/time_stepping.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 
@@ -186,6 +188,29 @@ ValueError
              return std::make_unique<LagrangianLinearTIR>(std::move(rows), offset);
            }),
            py::arg("H"), py::arg("b") = py::none());
+  py::classh<Distance, Relation>(
+      module, "Distance", py::is_final(),
+      R"(Distance of two points that depend linearly on q, or of one and the ground:
+g = |H q + b| − length. The length of a spring, a rod if it is an equality, the contact of two discs or spheres. Where
+the points meet its gradient is not defined: a run ends there.
+
+Parameters
+----------
+H : (1 to 3, n): H q + b leads from one point to the other
+b : (rows of H,) [m], zero if left out
+length : of a rod, or the sum of the radii [m]
+
+Raises
+------
+ValueError
+    If shapes disagree or a value is not finite.
+)")
+      .def(py::init([](const ArrayLike& H, const std::optional<ArrayLike>& b, double length) {
+             Matrix rows = to_matrix(H, "H");
+             const Vec offset = b ? to_vec(*b, "b") : Vec(Vec::Zero(rows.rows()));
+             return std::make_unique<Distance>(std::move(rows), offset, length);
+           }),
+           py::arg("H"), py::arg("b") = py::none(), py::arg("length") = 0.0);
 }
 
 void bind_laws(py::module_& module) {
@@ -207,6 +232,67 @@ void bind_laws(py::module_& module) {
   py::class_<EqualityConditionNSL, NonSmoothLaw>(module, "EqualityConditionNSL",
                                                  "A bilateral constraint g = 0 of n rows.")
       .def(py::init<int>(), py::arg("n"));
+}
+
+void bind_force_elements(py::module_& module) {
+  py::class_<ForceLaw>(module, "ForceLaw", "The force of an element, positive where it lengthens it.");
+  py::class_<SpringDamper, ForceLaw>(
+      module, "SpringDamper",
+      R"(Linear spring and damper in parallel, f = −stiffness (l − rest_length) − damping l̇ [N].
+
+Parameters
+----------
+stiffness : of either sign: a negative one pushes away from rest_length [N/m]
+damping : >= 0 [N s/m]
+rest_length : length without force [m]
+
+Raises
+------
+ValueError
+    If a value is not finite, or damping is negative.
+)")
+      .def(py::init<double, double, double>(), py::arg("stiffness"), py::arg("damping") = 0.0,
+           py::arg("rest_length") = 0.0);
+  py::class_<Actuator, ForceLaw>(module, "Actuator",
+                                 R"(A given force f = u(t, l, l̇) [N], or a spring that is not linear.
+
+Its work is that of an external force: it has no potential energy.
+
+Parameters
+----------
+force : a number, or a function of (t, length, rate) that returns the force; `saltus.compiled` makes it fast, and
+    "library:function" and C pointers serve as well: they get n = 1, q = length, v = rate, and write out[0]
+parameters : handed on to a compiled or C function
+
+Raises
+------
+ValueError
+    If a number is not finite, or parameters are given without a function that takes them.
+TypeError
+    If force is something else, or returns something else than a number.
+)")
+      .def(py::init(&make_actuator), py::arg("force"), py::arg("parameters") = py::tuple());
+  py::classh<ForceElement>(
+      module, "ForceElement",
+      R"(A spring, damper or actuator: the gap of a relation of one row is its length (or angle) l(q),
+its Jacobian Wᵀ = ∂l/∂q, and W f(t, l, l̇) is part of the forces h.
+
+Parameters
+----------
+relation : of size 1
+law : SpringDamper or Actuator
+name : for messages; unique in a system, which gives one if it is left out
+
+Raises
+------
+ValueError
+    If the relation has more than one row.
+)")
+      .def(py::init([](std::shared_ptr<Relation> relation, const ForceLaw& law, std::string name) {
+             return std::make_shared<ForceElement>(std::move(relation), law, std::move(name));
+           }),
+           py::arg("relation"), py::arg("law"), py::arg("name") = "")
+      .def_property_readonly("name", &ForceElement::name);
 }
 
 void bind_model(py::module_& module) {
@@ -247,6 +333,14 @@ void bind_model(py::module_& module) {
              const LagrangianDS* second) { self.link(std::move(interaction), first, second); },
           py::arg("interaction"), py::arg("ds1"), py::arg("ds2") = py::none(),
           "Let an interaction act between ds1 and the ground, or between ds1 and ds2.\n\n"
+          "Raises ValueError if a system is not part of this one, the name is taken, or sizes disagree.")
+      .def(
+          "add_force",
+          [](NonSmoothDynamicalSystem& self, std::shared_ptr<ForceElement> element, const LagrangianDS& first,
+             const LagrangianDS* second) { self.add_force(std::move(element), first, second); },
+          py::arg("element"), py::arg("ds1"), py::arg("ds2") = py::none(),
+          "Let a force element act between ds1 and the ground, or between ds1 and ds2; q of its relation is\n"
+          "then [q1; q2].\n\n"
           "Raises ValueError if a system is not part of this one, the name is taken, or sizes disagree.")
       .def_property_readonly("t0", &NonSmoothDynamicalSystem::t0)
       .def_property_readonly("dimension", &NonSmoothDynamicalSystem::dimension)
@@ -296,6 +390,19 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("v", [](const TimeStepping& self) { return to_array(self.state().v); });
 }
 
+void bind_stability(py::module_& module) {
+  module.def(
+      "stability_warning",
+      [](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& scheme,
+         double time_step) -> std::optional<std::string> {
+        const std::optional<Instability> found = find_instability(system, scheme, time_step);
+        if (!found) return std::nullopt;
+        return found->message(scheme.name());
+      },
+      py::arg("system"), py::arg("integrator"), py::arg("time_step"),
+      "A sentence if time_step is beyond the stability limit of the scheme, else None.");
+}
+
 // SimulationError is a Python class with the attributes of the C++ one.
 void bind_error(py::module_& module) {
   static py::handle error;
@@ -326,8 +433,10 @@ void bind_kernel(py::module_& module) {
   bind_systems(module);
   bind_relations(module);
   bind_laws(module);
+  bind_force_elements(module);
   bind_model(module);
   bind_simulation(module);
+  bind_stability(module);
   bind_error(module);
 }
 

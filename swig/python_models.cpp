@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "functions.hpp"
+
 namespace saltus::python {
 namespace {
 
@@ -163,6 +165,56 @@ void PyRelation::curvature(const In& q, const In& v, Out c) const {
   }
   if (!find(curvature_)) curvature_.missing("curvature(self, q, v, out)");
   curvature_.fill(nullptr, q, v.data(), c.data(), {c.size()});
+}
+
+namespace {
+
+// f of a Python callable of (t, length, rate)
+ForceLaw::Function callable_force(const py::object& callable) {
+  const auto held = std::shared_ptr<const py::object>(new py::object(callable), [](const py::object* object) {
+    const py::gil_scoped_acquire gil;
+    delete object;
+  });
+  return [held](double t, double length, double rate) {
+    const py::object force = (*held)(t, length, rate);
+    const double value = PyFloat_AsDouble(force.ptr());
+    if (value == -1.0 && PyErr_Occurred()) {
+      PyErr_Clear();
+      throw py::type_error("the force of an Actuator must return a number, got " +
+                           std::string(Py_TYPE(force.ptr())->tp_name));
+    }
+    return value;
+  };
+}
+
+}  // namespace
+
+Actuator make_actuator(const py::object& force, const ArrayLike& parameters) {
+  Vec values = to_vec(parameters, "parameters");
+  const auto refuse_parameters = [&](const char* kind) {
+    if (values.size() > 0)
+      throw std::invalid_argument("parameters are for compiled and C functions, got " +
+                                  std::to_string(values.size()) + " for a force that is a " + kind);
+  };
+  if (py::module_::import("saltus.functions").attr("is_native")(force).cast<bool>()) {
+    ModelFunction function = to_model_function(force, "force", 1, values);
+    return Actuator(std::move(function), std::move(values));
+  }
+  if (PyCallable_Check(force.ptr())) {
+    refuse_parameters("Python function");
+    return Actuator(callable_force(force));
+  }
+  const double constant = PyFloat_AsDouble(force.ptr());
+  if (constant == -1.0 && PyErr_Occurred()) {
+    PyErr_Clear();
+    throw py::type_error(
+        "force must be a number, a function of (t, length, rate), a compiled one or a pointer to a C "
+        "function, "
+        "got " +
+        std::string(Py_TYPE(force.ptr())->tp_name));
+  }
+  refuse_parameters("number");
+  return Actuator(constant);
 }
 
 }  // namespace saltus::python

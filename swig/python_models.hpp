@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "saltus/kernel/model/force_law.hpp"
 #include "saltus/kernel/model/function_models.hpp"
 
 namespace saltus::python {
@@ -118,5 +119,9 @@ class PyRelation final : public FunctionRelation, public py::trampoline_self_lif
 
   mutable CachedMethod gap_{"gap"}, jacobian_{"jacobian"}, curvature_{"curvature"};
 };
+
+/// A force that Python gives: a number, a model function, or a callable of (t, length, rate).
+/// @throws std::invalid_argument if it is none of these
+Actuator make_actuator(const py::object& force, const ArrayLike& parameters);
 
 }  // namespace saltus::python

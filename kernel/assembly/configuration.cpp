@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "saltus/kernel/assembly/force_elements.hpp"
 #include "saltus/kernel/model/requirements.hpp"
 #include "saltus/numerics/contact_solver.hpp"
 
@@ -152,15 +153,6 @@ void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& 
   for (int i = 0; i < slot.rows; ++i) gamma_dot[i] += curvature_[i];
 }
 
-In Configuration::local(const Layout::Contact& contact, const Vec& x, Vec& both) const {
-  const auto& first = layout_->systems[contact.system[0]];
-  if (contact.sides == 1) return {x.data() + first.offset, first.n};
-  const auto& second = layout_->systems[contact.system[1]];
-  std::copy_n(x.data() + first.offset, first.n, both.data());
-  std::copy_n(x.data() + second.offset, second.n, both.data() + first.n);
-  return {both.data(), contact.n};
-}
-
 double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,
                     const Vec& v_end) {
   if (!start.has_varying_mass()) return 0.0;
@@ -173,6 +165,14 @@ void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v,
   for (const auto& system : layout.systems)
     system.model->forces(t, {q.data() + system.offset, system.n}, {v.data() + system.offset, system.n},
                          {h.data() + system.offset, system.n});
+  if (!layout.forces.empty()) add_element_forces(layout, t, q, v, h);
+}
+
+double potential_energy(const Layout& layout, const Vec& q) {
+  double energy = layout.forces.empty() ? 0.0 : element_energy(layout, q);
+  for (const auto& system : layout.systems)
+    energy += system.model->potential_energy({q.data() + system.offset, system.n});
+  return energy;
 }
 
 }  // namespace saltus

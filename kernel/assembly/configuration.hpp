@@ -3,20 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "saltus/kernel/assembly/layout.hpp"
+#include "saltus/kernel/assembly/partition.hpp"
 #include "saltus/numerics/linear/spd_factor.hpp"
 
 namespace saltus {
-
-/// The inverse of a matrix that is block diagonal over the systems: of M, or of an implicit scheme's matrix.
-class BlockInverse {
- public:
-  virtual ~BlockInverse() = default;
-  /// x <- A⁻¹ x for one system, x (n of it)
-  virtual void solve_block(int system, double* x) const = 0;
-  /// True if it is the same in all steps.
-  virtual bool constant() const { return false; }
-};
 
 /// Everything that depends on the position alone: gaps, M and its factor, Wᵀ. Gaps are evaluated by
 /// move_to(), M by factorise(), the Wᵀ of a contact when it is asked for; each once a position.
@@ -77,7 +67,9 @@ class Configuration final : public BlockInverse {
 
  private:
   /// The part of x (n) that belongs to the contact's systems; gathered into `both` if there are two.
-  In local(const Layout::Contact& contact, const Vec& x, Vec& both) const;
+  In local(const Layout::Contact& contact, const Vec& x, Vec& both) const {
+    return layout_->local(contact, x, both.data());
+  }
   void evaluate_jacobian(int contact);
   const SpdFactor& factor(int system) const {
     return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
@@ -100,7 +92,10 @@ class Configuration final : public BlockInverse {
 double inertia_work(const Configuration& start, const Configuration& end, const Vec& v_start,
                     const Vec& v_end);
 
-/// h(t, q, v) of all systems. @param[out] h (n)
+/// h(t, q, v) of all systems and force elements. @param[out] h (n)
 void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h);
+
+/// Potential energy of all systems and force elements [J], NaN if a system does not know its own
+double potential_energy(const Layout& layout, const Vec& q);
 
 }  // namespace saltus

@@ -10,19 +10,39 @@ constexpr int reserved_rows = 256;
 
 }  // namespace
 
-ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout)
-    : layout_(std::move(layout)), touching_(layout_->systems.size()) {
+ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout,
+                                 std::shared_ptr<const Partition> partition)
+    : layout_(std::move(layout)), partition_(std::move(partition)), touching_(partition_->blocks.size()) {
   const int rows = std::min(layout_->rows, reserved_rows);
   problem_.G.reserve(rows, rows);
   problem_.b.reserve(layout_->rows);
   problem_.sets.reserve(layout_->rows);
   active_.reserve(layout_->contacts.size());
-  minv_w_.resize(layout_->jacobian_entries);
-  touched_.reserve(layout_->systems.size());
-  std::vector<int> contacts_on(layout_->systems.size(), 0);
-  for (const auto& contact : layout_->contacts)
-    for (int side = 0; side < contact.sides; ++side) ++contacts_on[contact.system[side]];
-  for (std::size_t k = 0; k < touching_.size(); ++k) touching_[k].reserve(contacts_on[k]);
+  touched_.reserve(touching_.size());
+  std::vector<int> sides_on(touching_.size(), 0);
+  for (const auto& contact : layout_->contacts) {
+    place(contact);
+    for (int side = 0; side < contact.sides; ++side)
+      ++sides_on[partition_->places[contact.system[side]].block];
+  }
+  for (std::size_t k = 0; k < touching_.size(); ++k) touching_[k].reserve(sides_on[k]);
+}
+
+// A force on one system of a block moves all of them.
+void ContactAssembly::place(const Layout::Contact& contact) {
+  Extent extent{minv_w_.size(), 0, 0, {0, 0}, spans_.size(), 0};
+  for (int side = 0; side < contact.sides; ++side) {
+    const int block = partition_->places[contact.system[side]].block;
+    if (side > 0 && block == partition_->places[contact.system[0]].block) continue;  // at column 0 as well
+    extent.column[side] = extent.width;
+    for (int system : partition_->blocks[block])
+      spans_.push_back({layout_->systems[system].offset, layout_->systems[system].n});
+    extent.width += partition_->sizes[block];
+    ++extent.blocks;
+  }
+  extent.last_span = spans_.size();
+  extents_.push_back(extent);
+  minv_w_.resize(minv_w_.size() + static_cast<std::size_t>(contact.rows) * extent.width);
 }
 
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
@@ -32,44 +52,67 @@ void ContactAssembly::assemble(const std::vector<int>& active, Configuration& co
   constant_ = constant;
   active_ = active;
   problem_.sets.clear();
-  for (int system : touched_) touching_[system].clear();
+  for (int block : touched_) touching_[block].clear();
   touched_.clear();
   int row = 0;
   for (std::size_t index = 0; index < active_.size(); ++index) {
     const auto& contact = layout_->contacts[active_[index]];
     for (const ContactSet& set : contact.law->sets) problem_.sets.push_back(set);
-    const double* W = force.jacobian(active_[index]);
-    double* X = minv_w_.data() + contact.jacobian;
-    std::copy_n(W, static_cast<std::size_t>(contact.rows) * contact.n, X);
-    std::size_t column = 0;
-    for (int side = 0; side < contact.sides; ++side) {
-      const int system = contact.system[side];
-      for (int i = 0; i < contact.rows; ++i)
-        inverse.solve_block(system, X + static_cast<std::size_t>(i) * contact.n + column);
-      if (touching_[system].empty()) touched_.push_back(system);
-      touching_[system].push_back({static_cast<int>(index), row, column});
-      column += layout_->systems[system].n;
-    }
+    touch(static_cast<int>(index), row);
+    respond(active_[index], force.jacobian(active_[index]), inverse);
     row += contact.rows;
   }
   problem_.b.resize(row);
   problem_.G.resize(row, row);
   problem_.G.view().setZero();
-  for (int system : touched_) assemble_shared(system, constraint);
+  for (int block : touched_) assemble_shared(block, constraint);
 }
 
-void ContactAssembly::assemble_shared(int system, Configuration& constraint) {
-  const int n = layout_->systems[system].n;
-  for (const Touch& a : touching_[system]) {
+// Notes the contact on the blocks of its systems.
+void ContactAssembly::touch(int index, int row) {
+  const auto& contact = layout_->contacts[active_[index]];
+  int column = 0;
+  for (int side = 0; side < contact.sides; ++side) {
+    const int n = layout_->systems[contact.system[side]].n;
+    const auto& [block, offset] = partition_->places[contact.system[side]];
+    std::vector<Touch>& touching = touching_[block];
+    if (touching.empty()) touched_.push_back(block);
+    const bool first = touching.empty() || touching.back().index != index;
+    touching.push_back({index, row, n, column, extents_[active_[index]].column[side], offset, first});
+    column += n;
+  }
+}
+
+// (M⁻¹W)ᵀ of a contact
+void ContactAssembly::respond(int k, const double* W, const BlockInverse& inverse) {
+  const auto& contact = layout_->contacts[k];
+  const Extent& extent = extents_[k];
+  double* X = minv_w_.data() + extent.start;
+  if (extent.width > contact.n) std::fill_n(X, static_cast<std::size_t>(contact.rows) * extent.width, 0.0);
+  for (int i = 0; i < contact.rows; ++i, X += extent.width) {
+    for (int side = 0; side < contact.sides; ++side) {
+      const int n = layout_->systems[contact.system[side]].n;
+      std::copy_n(W, n, X + extent.column[side] + partition_->places[contact.system[side]].offset);
+      W += n;
+    }
+    for (int side = 0; side < extent.blocks; ++side)
+      inverse.solve_block(partition_->places[contact.system[side]].block, X + extent.column[side]);
+  }
+}
+
+void ContactAssembly::assemble_shared(int block, Configuration& constraint) {
+  for (const Touch& a : touching_[block]) {
     const auto& left = layout_->contacts[active_[a.index]];
     const double* Wa = constraint.jacobian(active_[a.index]) + a.column;
-    for (const Touch& b : touching_[system]) {
-      const auto& right = layout_->contacts[active_[b.index]];
-      const double* Xb = minv_w_.data() + right.jacobian + b.column;
+    for (const Touch& b : touching_[block]) {
+      if (!b.first) continue;
+      const Extent& right = extents_[active_[b.index]];
+      const int rows = layout_->contacts[active_[b.index]].rows;
+      const double* Xb = minv_w_.data() + right.start + b.block_column + a.offset;
       for (int i = 0; i < left.rows; ++i)
-        for (int j = 0; j < right.rows; ++j) {
+        for (int j = 0; j < rows; ++j) {
           double sum = 0.0;
-          for (int k = 0; k < n; ++k) sum += Wa[i * left.n + k] * Xb[j * right.n + k];
+          for (int k = 0; k < a.n; ++k) sum += Wa[i * left.n + k] * Xb[j * right.width + k];
           problem_.G(a.row + i, b.row + j) += sum;
         }
     }
@@ -119,14 +162,12 @@ double ContactAssembly::work(const PoolVec& P, const Vec& gamma) const {
 
 void ContactAssembly::apply(double factor, const double* P, Vec& v) const {
   for (int contact : active_) {
-    const auto& slot = layout_->contacts[contact];
-    const double* X = minv_w_.data() + slot.jacobian;
-    for (int i = 0; i < slot.rows; ++i) {
+    const Extent& extent = extents_[contact];
+    const double* X = minv_w_.data() + extent.start;
+    for (int i = 0; i < layout_->contacts[contact].rows; ++i) {
       const double p = factor * *P++;
-      for (int side = 0; side < slot.sides; ++side) {
-        const auto& system = layout_->systems[slot.system[side]];
-        for (int j = 0; j < system.n; ++j) v[system.offset + j] += *X++ * p;
-      }
+      for (std::size_t k = extent.first_span; k < extent.last_span; ++k)
+        for (int j = spans_[k].offset; j < spans_[k].offset + spans_[k].n; ++j) v[j] += *X++ * p;
     }
   }
 }

@@ -9,10 +9,11 @@ namespace saltus {
 
 /// The contact problem of some active contacts: xi = G P + b with G = W(q_c)ᵀ M⁻¹ W(q_f), where the
 /// constraint is taken at q_c and the forces act at q_f. G is assembled block by block over the
-/// contacts that share a system.
+/// contacts that share a block of M, or of the matrix that takes its place.
 class ContactAssembly {
  public:
-  explicit ContactAssembly(std::shared_ptr<const Layout> layout);
+  /// @param partition  of that matrix
+  ContactAssembly(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition);
 
   /// Chooses the contacts, in ascending order, and assembles G; b is left to the caller.
   /// @param force    whose W directs the forces
@@ -39,21 +40,42 @@ class ContactAssembly {
   void scatter(const PoolVec& active, double factor, Vec& all) const;
 
  private:
-  void assemble_shared(int system, Configuration& constraint);
+  void place(const Layout::Contact& contact);
+  void touch(int index, int row);
+  void respond(int contact, const double* W, const BlockInverse& inverse);
+  void assemble_shared(int block, Configuration& constraint);
 
-  struct Touch {         // one active contact on one system
-    int index;           // among the active contacts
-    int row;             // in the contact problem
-    std::size_t column;  // where the system's columns start in a row of Wᵀ
+  struct Span {  // a system's freedoms among all
+    int offset;
+    int n;
+  };
+  struct Extent {  // where the (M⁻¹W)ᵀ of a contact lies
+    std::size_t start;
+    int width;                          // freedoms of the blocks that the contact touches
+    int blocks;                         // one or two
+    int column[2];                      // where the block of each side starts in a row
+    std::size_t first_span, last_span;  // the systems of these blocks, in the order of a row
+  };
+  struct Touch {       // one side of an active contact on one block
+    int index;         // among the active contacts
+    int row;           // in the contact problem
+    int n;             // freedoms of the side's system
+    int column;        // where they start in a row of Wᵀ
+    int block_column;  // where the block starts in a row of (M⁻¹W)ᵀ
+    int offset;        // of the system's freedoms in the block
+    bool first;        // side of the contact on this block
   };
 
   std::shared_ptr<const Layout> layout_;
+  std::shared_ptr<const Partition> partition_;
   ContactProblem problem_;
   std::vector<int> active_;
   bool constant_ = false;  // G depends on active_ alone
-  std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ, placed as the Jacobians are
-  std::vector<std::vector<Touch>> touching_;  // per system
-  std::vector<int> touched_;                  // systems with a non-empty list
+  std::vector<Span> spans_;
+  std::vector<Extent> extents_;               // of each contact
+  std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ of all contacts
+  std::vector<std::vector<Touch>> touching_;  // per block
+  std::vector<int> touched_;                  // blocks with a non-empty list
 };
 
 }  // namespace saltus

@@ -1,7 +1,5 @@
 #include "saltus/kernel/assembly/layout.hpp"
 
-#include <algorithm>
-
 namespace saltus {
 
 Layout::Layout(const NonSmoothDynamicalSystem& model) {
@@ -14,12 +12,9 @@ Layout::Layout(const NonSmoothDynamicalSystem& model) {
   }
   for (const auto& link : model.links()) {
     Contact contact{};
+    static_cast<Sides&>(contact) = sides(link);
     contact.relation = &link.interaction->relation();
     contact.law = &link.interaction->law();
-    contact.sides = link.second < 0 ? 1 : 2;
-    contact.system[0] = link.first;
-    contact.system[1] = link.second;
-    for (int side = 0; side < contact.sides; ++side) contact.n += systems[contact.system[side]].n;
     contact.row = rows;
     contact.rows = contact.law->size();
     contact.constant_jacobian = contact.relation->constant_jacobian();
@@ -34,6 +29,16 @@ Layout::Layout(const NonSmoothDynamicalSystem& model) {
     most_rows = std::max(most_rows, contact.rows);
     jacobian_entries += static_cast<std::size_t>(contact.rows) * contact.n;
   }
+  for (const auto& force : model.forces()) {
+    forces.push_back({sides(force), force.element.get()});
+    largest_force = std::max(largest_force, forces.back().n);
+  }
+}
+
+Layout::Sides Layout::sides(const NonSmoothDynamicalSystem::Ends& ends) const {
+  Sides sides{ends.second < 0 ? 1 : 2, {ends.first, ends.second}, 0};
+  for (int side = 0; side < sides.sides; ++side) sides.n += systems[sides.system[side]].n;
+  return sides;
 }
 
 }  // namespace saltus

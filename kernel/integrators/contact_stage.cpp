@@ -5,7 +5,11 @@
 namespace saltus {
 
 ContactStage::ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& solver)
-    : assembly_(layout), solver_(&solver) {
+    : ContactStage(layout, one_block_a_system(*layout), solver) {}
+
+ContactStage::ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition,
+                           ContactSolver& solver)
+    : assembly_(layout, std::move(partition)), solver_(&solver) {
   // A problem with one contact stands for its law: solvers refuse laws, or too many contacts later.
   for (const auto& contact : layout->contacts) {
     ContactProblem one;

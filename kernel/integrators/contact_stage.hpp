@@ -10,8 +10,12 @@ namespace saltus {
 /// The steps of all schemes are made of these.
 class ContactStage {
  public:
+  /// With M in the contact problems, one block a system.
   /// @throws std::invalid_argument if the solver does not accept the laws of all contacts
   ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& solver);
+  /// With a matrix in the place of M that has the blocks of the partition. @throws as above
+  ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition,
+               ContactSolver& solver);
 
   ContactAssembly& assembly() { return assembly_; }
   /// Impulses of the active contacts [N s]

@@ -168,24 +168,44 @@ void check_interaction(const Relation& relation, const NonSmoothLaw& law, const 
               slope([&](const Vec& x) { return Vec(jacobian_at(relation, x) * w); }, q, w, step)));
 }
 
+void check_element(const ForceElement& element, double t0, const Vec& q, const Vec& v, const std::string& who,
+                   std::vector<CheckItem>& items) {
+  const Relation& relation = element.relation();
+  const Matrix J = jacobian_at(relation, q);
+  const double length = gap_at(relation, 1, q)[0], rate = J.row(0).dot(v);
+  const double force = element.law().force(t0, length, rate);
+  const std::string note =
+      text("length at t0 [m]:", Vec::Constant(1, length)) + text(", force [N]:", Vec::Constant(1, force));
+  items.push_back(compare(who, "jacobian against length", J,
+                          gradient([&](const Vec& x) { return gap_at(relation, 1, x); }, q), note));
+  items.push_back({who, "force finite", std::isfinite(force) ? 0.0 : broken, 0.0, "", false});
+}
+
+// Positions, or velocities, of the one or two systems that something acts on
+template <class Part>
+Vec joined(const NonSmoothDynamicalSystem& model, const NonSmoothDynamicalSystem::Ends& ends, Part part) {
+  const Vec first = part(*model.systems()[ends.first]);
+  if (ends.second < 0) return first;
+  const Vec second = part(*model.systems()[ends.second]);
+  Vec both(first.size() + second.size());
+  both << first, second;
+  return both;
+}
+
 }  // namespace
 
 std::vector<CheckItem> check(const NonSmoothDynamicalSystem& model) {
   std::vector<CheckItem> items;
   for (std::size_t k = 0; k < model.systems().size(); ++k)
     check_system(*model.systems()[k], model.t0(), "system " + std::to_string(k), items);
-  for (const auto& link : model.links()) {
-    const LagrangianDS& first = *model.systems()[link.first];
-    Vec q = first.q0(), v = first.v0();
-    if (link.second >= 0) {
-      const LagrangianDS& second = *model.systems()[link.second];
-      q.conservativeResize(q.size() + second.dimension());
-      v.conservativeResize(q.size());
-      q.tail(second.dimension()) = second.q0();
-      v.tail(second.dimension()) = second.v0();
-    }
-    check_interaction(link.interaction->relation(), link.interaction->law(), q, v, link.name, items);
-  }
+  const auto q0 = [](const LagrangianDS& system) { return system.q0(); };
+  const auto v0 = [](const LagrangianDS& system) { return system.v0(); };
+  for (const auto& link : model.links())
+    check_interaction(link.interaction->relation(), link.interaction->law(), joined(model, link, q0),
+                      joined(model, link, v0), link.name, items);
+  for (const auto& force : model.forces())
+    check_element(*force.element, model.t0(), joined(model, force, q0), joined(model, force, v0), force.name,
+                  items);
   return items;
 }
 

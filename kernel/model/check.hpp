@@ -8,7 +8,7 @@ namespace saltus {
 
 /// One comparison of what a model says with what follows from its other functions.
 struct CheckItem {
-  std::string subject;   ///< "system 0" or the interaction's name
+  std::string subject;   ///< "system 0", or the name of an interaction or a force element
   std::string quantity;  ///< what was compared
   double deviation;      ///< largest difference, in the quantity's own unit
   double tolerance;      ///< 1e-6 of its size, and the error of the differences
@@ -24,6 +24,7 @@ struct CheckItem {
 ///   jacobian   normal rows equal ∂g/∂q; all rows finite
 ///   bilateral  gap and velocity vanish
 ///   curvature  equals (dWᵀ/dt) v, where it is defined
+///   elements   the Jacobian equals ∂l/∂q; the force is finite
 /// and notes gaps and relative velocities at t0.
 std::vector<CheckItem> check(const NonSmoothDynamicalSystem& model);
 

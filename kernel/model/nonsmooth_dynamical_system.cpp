@@ -21,23 +21,45 @@ NonSmoothDynamicalSystem::NonSmoothDynamicalSystem(Systems systems, double t0)
 void NonSmoothDynamicalSystem::link(std::shared_ptr<const Interaction> interaction, const LagrangianDS& first,
                                     const LagrangianDS* second) {
   if (!interaction) throw std::invalid_argument("link needs an interaction, got none");
-  Link link{interaction, interaction->name(), index_of(first), second ? index_of(*second) : -1};
-  if (link.first == link.second)
-    throw std::invalid_argument("an interaction acts between two different systems, got one twice");
-  for (std::size_t k = links_.size(); link.name.empty(); ++k)
-    if (const std::string candidate = "contact" + std::to_string(k); !names_.count(candidate))
-      link.name = candidate;
-  if (names_.count(link.name))
-    throw std::invalid_argument("the name of an interaction must be unique, got '" + link.name + "' twice");
-  interaction->relation().require_dimension(first.dimension() + (second ? second->dimension() : 0));
-  names_.insert(link.name);
-  links_.push_back(std::move(link));
+  const std::string name =
+      interaction->name().empty() ? free_name("contact", links_.size()) : interaction->name();
+  Ends ends = connect("an interaction", name, interaction->relation(), first, second);
+  links_.push_back({std::move(ends), std::move(interaction)});
+}
+
+void NonSmoothDynamicalSystem::add_force(std::shared_ptr<const ForceElement> element,
+                                         const LagrangianDS& first, const LagrangianDS* second) {
+  if (!element) throw std::invalid_argument("add_force needs a force element, got none");
+  const std::string name = element->name().empty() ? free_name("force", forces_.size()) : element->name();
+  Ends ends = connect("a force element", name, element->relation(), first, second);
+  forces_.push_back({std::move(ends), std::move(element)});
+}
+
+// What is refused leaves nothing behind.
+NonSmoothDynamicalSystem::Ends NonSmoothDynamicalSystem::connect(const std::string& kind,
+                                                                 const std::string& name,
+                                                                 const Relation& relation,
+                                                                 const LagrangianDS& first,
+                                                                 const LagrangianDS* second) {
+  Ends ends{name, index_of(first), second ? index_of(*second) : -1};
+  if (ends.first == ends.second)
+    throw std::invalid_argument(kind + " acts between two different systems, got one twice");
+  if (names_.count(name))
+    throw std::invalid_argument("the name of " + kind + " must be unique, got '" + name + "' twice");
+  relation.require_dimension(first.dimension() + (second ? second->dimension() : 0));
+  names_.insert(name);
+  return ends;
+}
+
+std::string NonSmoothDynamicalSystem::free_name(const std::string& stem, std::size_t number) const {
+  while (names_.count(stem + std::to_string(number))) ++number;
+  return stem + std::to_string(number);
 }
 
 int NonSmoothDynamicalSystem::index_of(const LagrangianDS& system) const {
   const auto found = index_.find(&system);
   if (found == index_.end())
-    throw std::invalid_argument("link: the dynamical system is not part of this NonSmoothDynamicalSystem");
+    throw std::invalid_argument("the dynamical system is not part of this NonSmoothDynamicalSystem");
   return found->second;
 }
 

@@ -5,21 +5,27 @@
 #include <unordered_set>
 #include <vector>
 
+#include "saltus/kernel/model/force_element.hpp"
 #include "saltus/kernel/model/interaction.hpp"
 #include "saltus/kernel/model/lagrangian_ds.hpp"
 
 namespace saltus {
 
-/// Dynamical systems and the interactions between them, or with the ground. Positions and velocities
-/// of the whole are those of the systems, one after the other.
+/// Dynamical systems, the interactions and the force elements between them, or with the ground. Positions and
+/// velocities of the whole are those of the systems, one after the other.
 class NonSmoothDynamicalSystem {
  public:
-  /// An interaction and the one or two systems that it acts on.
-  struct Link {
-    std::shared_ptr<const Interaction> interaction;
+  /// The one or two systems that something acts on, and its name.
+  struct Ends {
     std::string name;
     int first = 0;
     int second = -1;  ///< -1: the ground
+  };
+  struct Link : Ends {
+    std::shared_ptr<const Interaction> interaction;
+  };
+  struct Force : Ends {
+    std::shared_ptr<const ForceElement> element;
   };
   using Systems = std::vector<std::shared_ptr<const LagrangianDS>>;
 
@@ -34,8 +40,15 @@ class NonSmoothDynamicalSystem {
   void link(std::shared_ptr<const Interaction> interaction, const LagrangianDS& first,
             const LagrangianDS* second = nullptr);
 
+  /// Lets the force element act between a system and the ground, or between two systems. Freedoms are ordered
+  /// as first, second.
+  /// @throws std::invalid_argument as link()
+  void add_force(std::shared_ptr<const ForceElement> element, const LagrangianDS& first,
+                 const LagrangianDS* second = nullptr);
+
   const Systems& systems() const { return systems_; }
   const std::vector<Link>& links() const { return links_; }
+  const std::vector<Force>& forces() const { return forces_; }
   double t0() const { return t0_; }
   /// Number of freedoms of all systems.
   int dimension() const;
@@ -45,10 +58,14 @@ class NonSmoothDynamicalSystem {
 
  private:
   int index_of(const LagrangianDS& system) const;
+  Ends connect(const std::string& kind, const std::string& name, const Relation& relation,
+               const LagrangianDS& first, const LagrangianDS* second);
+  std::string free_name(const std::string& stem, std::size_t number) const;
 
   Systems systems_;
   std::unordered_map<const LagrangianDS*, int> index_;
   std::vector<Link> links_;
+  std::vector<Force> forces_;
   std::unordered_set<std::string> names_;
   double t0_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "saltus/kernel/assembly/force_elements.hpp"
 #include "saltus/kernel/model/requirements.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 #include "saltus/numerics/text.hpp"
@@ -99,6 +100,7 @@ void TimeStepping::check_start() {
     if (!h.allFinite())
       throw std::invalid_argument("forces" + who + " at t0 must be finite, got NaN or infinity");
   }
+  check_force_elements();
   view_.move_to(state_.q);
   view_.factorise();
   report_.kinetic_energy = view_.kinetic_energy(state_.v);
@@ -113,6 +115,23 @@ void TimeStepping::check_start() {
     if (!InMatrix(view_.jacobian(index), contact.rows, contact.n).allFinite())
       throw std::invalid_argument("jacobian" + who);
   }
+}
+
+void TimeStepping::check_force_elements() {
+  if (layout_->forces.empty()) return;
+  std::vector<double> storage(3 * layout_->largest_force);
+  for (std::size_t k = 0; k < layout_->forces.size(); ++k) {
+    const auto& slot = layout_->forces[k];
+    const Stretch start = stretch(*layout_, slot, state_.q, state_.v, storage.data());
+    const std::string who =
+        " of force element '" + model_.forces()[k].name + "' at t0 must be finite, got NaN or infinity";
+    if (!std::isfinite(start.length)) throw std::invalid_argument("length" + who);
+    if (!In(start.W, slot.n).allFinite()) throw std::invalid_argument("jacobian" + who);
+    if (!std::isfinite(slot.element->law().force(state_.t, start.length, start.rate)))
+      throw std::invalid_argument("force" + who);
+  }
+  Vec h(layout_->n);
+  evaluate_forces(*layout_, state_.t, state_.q, state_.v, h);  // sizes its storage before the first step
 }
 
 void TimeStepping::add_observer(std::shared_ptr<Observer> observer) {
@@ -167,9 +186,7 @@ void TimeStepping::look() {
   view_.move_to(state_.q);
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     view_.relative_velocity(k, state_.v, velocities_.data() + layout_->contacts[k].row);
-  potential_energy_ = 0.0;
-  for (const auto& system : layout_->systems)
-    potential_energy_ += system.model->potential_energy({state_.q.data() + system.offset, system.n});
+  potential_energy_ = potential_energy(*layout_, state_.q);
 }
 
 void TimeStepping::show(Observer& observer) {

@@ -67,6 +67,7 @@ class TimeStepping {
   class Busy;  // forbids a step, or a change of the observers, from within a step
 
   void check_start();
+  void check_force_elements();
   void show(Observer& observer);
   void look();
   [[noreturn]] void fail(const StepReport& report);

@@ -1,6 +1,7 @@
 """Model functions at the speed of C: compiled from Python, or made elsewhere.
 
-The constructors of `LagrangianDS` and `LagrangianScleronomousR` take functions in the place of methods:
+The constructors of `LagrangianDS` and `LagrangianScleronomousR` take functions in the place of methods, that
+of `Actuator` takes one as its force:
 
     @saltus.compiled
     def forces(t, q, v, out, parameters):
@@ -37,7 +38,9 @@ METHODS = {
     "gap": (("q", "out"), "(rows,)"),
     "jacobian": (("q", "out"), "(rows, n)"),
     "curvature": (("q", "v", "out"), "(rows,)"),
+    "force": (("t", "length", "rate"), "(1,)"),
 }
+RETURNED = {"potential_energy", "force"}  # the others write into out
 
 
 class CompiledFunction:
@@ -101,8 +104,9 @@ def entry(t, n, q_pointer, v_pointer, out_pointer, parameters_pointer):
     v = carray(v_pointer, (n,))
     out = carray(out_pointer, {shape})
     parameters = carray(parameters_pointer, ({parameters},))
+    length, rate = q[0], v[0]
     try:
-        {"out[0] = " if method == "potential_energy" else ""}{call}
+        {"out[0] = " if method in RETURNED else ""}{call}
     except Exception:
         out[...] = nan
 """
@@ -112,6 +116,16 @@ def entry(t, n, q_pointer, v_pointer, out_pointer, parameters_pointer):
     pointer = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
     signature = types.void(types.float64, types.int32, pointer, pointer, pointer, pointer)
     return numba.cfunc(signature, error_model="numpy")(scope["entry"])
+
+
+def is_native(function: object) -> bool:
+    """Tell functions at the speed of C from those that Python runs."""
+    cffi = sys.modules.get("_cffi_backend")
+    return (
+        isinstance(function, (str, CompiledFunction, FUNCTION_POINTER))
+        or (cffi is not None and isinstance(function, cffi.FFI.CData))
+        or isinstance(getattr(function, "address", None), int)
+    )
 
 
 def address(function: object, method: str, rows: int, parameters: int) -> int:

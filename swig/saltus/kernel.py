@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -15,10 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 from saltus import _core, registry
 from saltus._core import (
+    Actuator,
     CheckItem,
     Configuration,
     ContactStage,
+    Distance,
     EqualityConditionNSL,
+    ForceElement,
+    ForceLaw,
     Interaction,
     LagrangianDS,
     LagrangianLinearTIDS,
@@ -30,6 +35,7 @@ from saltus._core import (
     OneStepIntegrator,
     Reactions,
     SimulationError,
+    SpringDamper,
     State,
     StepFailure,
     StepReport,
@@ -44,12 +50,16 @@ if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
 __all__ = [
+    "Actuator",
     "Box",
     "CheckReport",
     "Configuration",
     "ContactStage",
     "Disc",
+    "Distance",
     "EqualityConditionNSL",
+    "ForceElement",
+    "ForceLaw",
     "Interaction",
     "LagrangianDS",
     "LagrangianLinearTIDS",
@@ -65,6 +75,8 @@ __all__ = [
     "Reactions",
     "Shape",
     "SimulationError",
+    "SpringDamper",
+    "StabilityWarning",
     "State",
     "StepFailure",
     "StepReport",
@@ -113,7 +125,7 @@ def _verdict(item: CheckItem) -> str:
 
 
 class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
-    """Dynamical systems and the interactions between them, or with the ground.
+    """Dynamical systems, the interactions and the force elements between them, or with the ground.
 
     Positions q and velocities v of the whole are those of the systems, one after the other.
 
@@ -157,6 +169,7 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         Normal rows of the Jacobian against the gap's gradient, curvature against the Jacobian's rate, the
         part of the forces that is even in v against what a varying mass matrix demands, forces at rest
         against the potential energy where it is defined ("see": forces without potential are no error),
+        the Jacobian of force elements against the gradient of their length,
         gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))
@@ -171,6 +184,10 @@ def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(plain, dict):
         raise ValueError(f"parameters must be a mapping of names, got {type(parameters).__name__}")
     return plain
+
+
+class StabilityWarning(UserWarning):
+    """The time step is beyond the stability limit of the scheme: free oscillations grow."""
 
 
 class TimeStepping(_core.TimeSteppingBase):
@@ -195,6 +212,13 @@ class TimeStepping(_core.TimeSteppingBase):
         model, or the model's mass, forces, gaps or Jacobians are not finite at t0.
     OSError
         If the file cannot be written, FileExistsError if there is another file than a run.
+
+    Warns
+    -----
+    StabilityWarning
+        If the fastest free oscillation of the linear time-invariant systems, with the force elements between
+        them, grows by more than 1 % in a period; it names the largest stable Δt. Contacts and systems that
+        are not linear are not judged.
     """
 
     def __init__(
@@ -216,6 +240,8 @@ class TimeStepping(_core.TimeSteppingBase):
         if not isinstance(time_step, Real):
             raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
         super().__init__(system, scheme, float(time_step), registry.solver(solver))
+        if (unstable := _core.stability_warning(system, scheme, float(time_step))) is not None:
+            warnings.warn(unstable, StabilityWarning, stacklevel=2)
         recording = _core.Recording(record_every)
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])

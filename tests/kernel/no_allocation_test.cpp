@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <new>
 
+#include "saltus/kernel/model/distance.hpp"
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
@@ -54,6 +55,8 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
 
 namespace saltus::test {
 namespace {
+
+using Terms = LagrangianLinearTIDS::Terms;
 
 class NoAllocation : public testing::TestWithParam<std::string> {
  protected:
@@ -127,6 +130,29 @@ TEST_P(NoAllocation, ATableOnFourFeet) {
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);
   EXPECT_GT(counted.closed, 500);
+}
+
+// A spring between points, a given force, and a linear spring that couples two systems in contact.
+TEST_P(NoAllocation, ForceElements) {
+  const Terms weight{.external_force = vec({0.0, -gravity})};
+  const Matrix M = Matrix::Identity(2, 2);
+  auto one = std::make_shared<LagrangianLinearTIDS>(vec({0.0, 0.1}), Vec::Zero(2), M, weight);
+  auto two = std::make_shared<LagrangianLinearTIDS>(vec({0.5, 0.2}), vec({1.0, 0.0}), M, weight);
+  NonSmoothDynamicalSystem model({one, two});
+  const Matrix between = (Matrix(2, 4) << -1, 0, 1, 0, 0, -1, 0, 1).finished();
+  auto add = [&](std::shared_ptr<const Relation> relation, ForceLaw law) {
+    model.add_force(std::make_shared<ForceElement>(std::move(relation), std::move(law)), *one, two.get());
+  };
+  add(std::make_shared<Distance>(between, Vec::Zero(2)), SpringDamper(200.0, 1.0, 0.4));
+  add(std::make_shared<LagrangianLinearTIR>(between.row(0)), SpringDamper(50.0));
+  add(std::make_shared<LagrangianLinearTIR>(between.row(1)),
+      Actuator([](double t, double l, double) { return t - l; }));
+  for (const auto& ball : {one, two})
+    model.link(linear_contact((Matrix(1, 2) << 0, 1).finished(), vec({0.0}), NewtonImpactNSL(0.5), ""),
+               *ball);
+  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.impacts, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(scheme_names()),

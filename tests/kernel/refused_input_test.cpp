@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "saltus/kernel/model/distance.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
@@ -89,6 +90,68 @@ TEST(Refused, RelationsOfTheWrongShape) {
   const SickRelation flat(1.0, 1.0);
   EXPECT_FALSE(flat.has_curvature());
   EXPECT_THROW(flat.curvature(In(q.data(), 2), In(q.data(), 2), Out(c, 1)), std::logic_error);
+}
+
+TEST(Refused, ForceLawsOutOfRange) {
+  for (double bad : {nan, inf}) {
+    expect_refusal([=] { SpringDamper law(bad); }, {"stiffness must be finite", "got"});
+    expect_refusal([=] { SpringDamper(1.0, bad); }, {"damping must be finite", "got"});
+    expect_refusal([=] { SpringDamper(1.0, 0.0, bad); }, {"rest_length must be finite", "got"});
+    expect_refusal([=] { Actuator law(bad); }, {"force must be finite", "got"});
+  }
+  expect_refusal([] { SpringDamper(1.0, -0.5); }, {"damping must be >= 0", "got -0.5"});
+  EXPECT_NO_THROW(SpringDamper(-1.0, 0.0, -2.0));  // away from a negative angle
+  expect_refusal([] { Actuator{ForceLaw::Function{}}; }, {"force must be a function", "none"});
+  expect_refusal([] { Actuator{ModelFunction{}}; }, {"force must be a function", "none"});
+}
+
+TEST(Refused, ForceElementsThatDoNotFit) {
+  const auto ball = std::make_shared<LagrangianLinearTIDS>(vec({0}), vec({0}), one);
+  const auto other = std::make_shared<LagrangianLinearTIDS>(vec({0}), vec({0}), one);
+  const auto element = [](Matrix H, std::string name = "spring") {
+    return std::make_shared<ForceElement>(std::make_shared<LagrangianLinearTIR>(H), SpringDamper(1.0), name);
+  };
+  expect_refusal([] { ForceElement(nullptr, SpringDamper(1.0), "spring"); },
+                 {"needs a relation", "'spring'"});
+  expect_refusal([&] { element(Matrix::Ones(2, 1)); }, {"1 row", "got 2", "'spring'"});
+  NonSmoothDynamicalSystem model({ball});
+  expect_refusal([&] { model.add_force(nullptr, *ball); }, {"needs a force element"});
+  expect_refusal([&] { model.add_force(element(one), *other); }, {"not part"});
+  expect_refusal([&] { model.add_force(element(one), *ball, ball.get()); }, {"two different systems"});
+  expect_refusal([&] { model.add_force(element(Matrix::Ones(1, 2)), *ball); }, {"1 columns", "got 2"});
+  model.link(linear_contact(one, vec({0}), NewtonImpactNSL(0.0), "floor"), *ball);
+  expect_refusal([&] { model.add_force(element(one, "floor"), *ball); }, {"unique", "'floor'"});
+  EXPECT_TRUE(model.forces().empty());  // what was refused left nothing behind
+  model.add_force(element(one), *ball);
+  expect_refusal([&] { model.add_force(element(one), *ball); }, {"unique", "'spring'"});
+}
+
+TEST(Refused, DistancesOfTheWrongShape) {
+  expect_refusal([] { Distance(Matrix::Ones(4, 2), Vec::Zero(4)); }, {"1 to 3 rows", "got 4"});
+  expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(1)); }, {"b must have 2", "got 1"});
+  expect_refusal([] { Distance(nan * Matrix::Ones(2, 2), Vec::Zero(2)); }, {"H must be finite"});
+  expect_refusal([] { Distance(Matrix::Ones(2, 2), vec({0, inf})); }, {"b must be finite"});
+  expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(2), nan); }, {"length must be finite"});
+  expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(2)).require_dimension(3); },
+                 {"H must have 3 columns", "got 2"});
+}
+
+TEST(Refused, ForceElementsThatAreNotFiniteAtTheStart) {
+  const auto ball = std::make_shared<LagrangianLinearTIDS>(vec({0}), vec({0}), one);
+  const auto start = [&](std::shared_ptr<const Relation> relation, ForceLaw law) {
+    NonSmoothDynamicalSystem model({ball});
+    model.add_force(std::make_shared<ForceElement>(relation, law, "spring"), *ball);
+    TimeStepping(model, *make_integrator("HalfExplicitTrapezoidalOSI"), 1e-3);
+  };
+  const SpringDamper law(1.0);
+  expect_refusal([&] { start(std::make_shared<SickRelation>(nan, 1.0), law); }, {"length", "'spring'"});
+  expect_refusal([&] { start(std::make_shared<SickRelation>(1.0, inf), law); }, {"jacobian", "'spring'"});
+  expect_refusal([&] { start(std::make_shared<Distance>(one, vec({0})), law); }, {"jacobian", "'spring'"});
+  expect_refusal(
+      [&] {
+        start(std::make_shared<SickRelation>(1.0, 1.0), Actuator([](double, double, double) { return nan; }));
+      },
+      {"force of force element 'spring'", "finite"});
 }
 
 TEST(Refused, ModelsThatDoNotFitTogether) {

@@ -159,6 +159,7 @@ def test_python_models_that_are_wrong_at_the_start():
         one(WrongShape([0.0], [0.0]))
 
 
+@pytest.mark.filterwarnings("ignore::saltus.kernel.StabilityWarning")
 def test_a_diverging_run_keeps_what_it_has():
     stiff = sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]], stiffness=[[1e6]])
     simulation = one(stiff)

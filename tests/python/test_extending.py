@@ -162,6 +162,7 @@ def oscillator():
 
 
 @pytest.mark.usefixtures("registered")
+@pytest.mark.filterwarnings("ignore::saltus.kernel.StabilityWarning")
 def test_options_of_a_python_integrator():
     [entry] = [e for e in sk.integrators() if e["name"] == "ScaledEulerOSI"]
     assert {key: about["default"] for key, about in entry["options"].items()} == {
@@ -177,6 +178,7 @@ def test_options_of_a_python_integrator():
         sk.ScaledEulerOSI(factor="big")
 
 
+@pytest.mark.filterwarnings("ignore::saltus.kernel.StabilityWarning")
 def test_simulations_take_copies_of_a_python_integrator():
     scheme = ScaledEulerOSI()
     first = sk.TimeStepping(oscillator(), scheme, 1e-3)

@@ -1,24 +1,19 @@
 #include "saltus/kernel/integrators/moreau_jean/iteration_matrix.hpp"
 
-#include <cmath>
-#include <limits>
+#include <algorithm>
 
 namespace saltus {
-namespace {
 
-// Forward differences lose half of the digits: enough for the direction of an iteration.
-const double difference_step = std::sqrt(std::numeric_limits<double>::epsilon());
-
-}  // namespace
-
-IterationMatrix::IterationMatrix(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
-  blocks_.resize(layout_->systems.size());
+IterationMatrix::IterationMatrix(std::shared_ptr<const Layout> layout)
+    : layout_(std::move(layout)), jacobians_(layout_) {
+  blocks_.resize(partition()->blocks.size());
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
-    const int n = layout_->systems[k].n;
+    const int n = partition()->sizes[k];
     Block& block = blocks_[k];
-    for (Matrix* A : {&block.dh_dq, &block.dh_dv, &block.A}) A->setZero(n, n);
-    for (Vec* x : {&block.right, &block.x, &block.ahead, &block.h, &block.h_ahead}) x->setZero(n);
+    block.A.setZero(n, n);
+    for (Vec* x : {&block.right, &block.x}) x->setZero(n);
     block.lu = Eigen::PartialPivLU<Matrix>(n);
+    gathered_.reserve(n);
   }
 }
 
@@ -26,20 +21,15 @@ StepStatus IterationMatrix::update(double theta, double dt, double t, const Conf
                                    const Vec& q, const Vec& v) {
   const bool same_step = dt == made_for_;
   made_for_ = 0.0;  // until all blocks are made
-  for (std::size_t k = 0; k < blocks_.size(); ++k) {
-    const auto& system = layout_->systems[k];
-    if (system.model->time_invariant() && same_step) continue;
+  for (int k = 0; k < static_cast<int>(blocks_.size()); ++k) {
+    if (jacobians_.time_invariant(k) && same_step) continue;
+    jacobians_.evaluate(k, t, q, v);
     Block& block = blocks_[k];
-    const In local_q(q.data() + system.offset, system.n);
-    const In local_v(v.data() + system.offset, system.n);
-    block.dh_dq.setZero();
-    block.dh_dv.setZero();
-    if (!system.model->force_jacobians(t, local_q, local_v, {block.dh_dq.data(), system.n, system.n},
-                                       {block.dh_dv.data(), system.n, system.n}))
-      differentiate(block, *system.model, t, local_q, local_v);
-    block.A = position.mass(static_cast<int>(k));
-    block.A -= theta * dt * block.dh_dv;
-    block.A -= theta * theta * dt * dt * block.dh_dq;
+    block.A = -theta * dt * jacobians_.dh_dv() - theta * theta * dt * dt * jacobians_.dh_dq();
+    for (int system : partition()->blocks[k]) {
+      const int n = layout_->systems[system].n, at = partition()->places[system].offset;
+      block.A.block(at, at, n, n) += position.mass(system);
+    }
     if (!block.A.allFinite()) return StepStatus::not_finite;
     block.lu.compute(block.A);
     if (!(block.lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0.0)) return StepStatus::iteration_failed;
@@ -48,30 +38,8 @@ StepStatus IterationMatrix::update(double theta, double dt, double t, const Conf
   return StepStatus::ok;
 }
 
-void IterationMatrix::differentiate(Block& block, const LagrangianDS& model, double t, const In& q,
-                                    const In& v) {
-  const Eigen::Index n = q.size();
-  auto forces = [&](const double* at_q, const double* at_v, Vec& h) {
-    h.setZero();
-    model.forces(t, {at_q, n}, {at_v, n}, {h.data(), n});
-  };
-  forces(q.data(), v.data(), block.h);
-  for (const bool in_q : {true, false}) {
-    const In& x = in_q ? q : v;
-    Matrix& slope = in_q ? block.dh_dq : block.dh_dv;
-    block.ahead = x;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double step = difference_step * std::max(1.0, std::abs(x[j]));
-      block.ahead[j] = x[j] + step;
-      forces(in_q ? block.ahead.data() : q.data(), in_q ? v.data() : block.ahead.data(), block.h_ahead);
-      slope.col(j) = (block.h_ahead - block.h) / step;
-      block.ahead[j] = x[j];
-    }
-  }
-}
-
-void IterationMatrix::solve_block(int system, double* x) const {
-  const Block& block = blocks_[system];
+void IterationMatrix::solve_block(int k, double* x) const {
+  const Block& block = blocks_[k];
   Out values(x, block.right.size());
   block.right = values;
   block.x = block.lu.solve(block.right);
@@ -79,8 +47,24 @@ void IterationMatrix::solve_block(int system, double* x) const {
 }
 
 void IterationMatrix::solve(Vec& x) const {
-  for (std::size_t k = 0; k < blocks_.size(); ++k)
-    solve_block(static_cast<int>(k), x.data() + layout_->systems[k].offset);
+  for (int k = 0; k < static_cast<int>(blocks_.size()); ++k) {
+    const std::vector<int>& systems = partition()->blocks[k];
+    if (systems.size() == 1) {
+      solve_block(k, x.data() + layout_->systems[systems[0]].offset);
+      continue;
+    }
+    gathered_.resize(partition()->sizes[k]);
+    auto parts = [&](auto copy) {
+      double* part = gathered_.data();
+      for (int system : systems) {
+        copy(x.data() + layout_->systems[system].offset, layout_->systems[system].n, part);
+        part += layout_->systems[system].n;
+      }
+    };
+    parts([](const double* from, int n, double* to) { std::copy_n(from, n, to); });
+    solve_block(k, gathered_.data());
+    parts([](double* to, int n, const double* from) { std::copy_n(from, n, to); });
+  }
 }
 
 }  // namespace saltus

@@ -26,14 +26,16 @@ void MoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& s
   middle_ = std::make_unique<Configuration>(configurations_[0]);
   for (auto& configuration : configurations_) configuration.move_to(model.q0());
   matrix_ = std::make_unique<IterationMatrix>(layout_);
-  contacts_ = std::make_unique<ContactStage>(layout_, solver);
+  contacts_ = std::make_unique<ContactStage>(layout_, matrix_->partition(), solver);
   active_.reserve(layout_->contacts.size());
   for (Vec* x : {&q_, &v_, &next_, &change_, &h_, &h_end_}) x->setZero(layout_->n);
   gamma_before_.setZero(layout_->rows);
   linear_ = std::all_of(layout_->systems.begin(), layout_->systems.end(),
                         [](const auto& system) { return system.model->time_invariant(); }) &&
             std::all_of(layout_->contacts.begin(), layout_->contacts.end(),
-                        [](const auto& contact) { return contact.relation->constant_jacobian(); });
+                        [](const auto& contact) { return contact.relation->constant_jacobian(); }) &&
+            std::all_of(layout_->forces.begin(), layout_->forces.end(),
+                        [](const auto& force) { return force.element->time_invariant(); });
 }
 
 StepReport MoreauJean::step(double dt, State& state, Reactions& reactions) {

@@ -1,0 +1,138 @@
+#include "saltus/kernel/assembly/force_jacobians.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace saltus {
+namespace {
+
+// Forward differences lose half of the digits: enough for the direction of an iteration.
+const double difference_step = std::sqrt(std::numeric_limits<double>::epsilon());
+
+double step_at(double x) { return difference_step * std::max(1.0, std::abs(x)); }
+
+}  // namespace
+
+ForceJacobians::ForceJacobians(std::shared_ptr<const Layout> layout)
+    : layout_(std::move(layout)), partition_(coupled_by_forces(*layout_)) {
+  const std::size_t blocks = partition_->blocks.size();
+  forces_.resize(blocks);
+  time_invariant_.assign(blocks, true);
+  int largest = layout_->largest_force;
+  for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
+    largest = std::max(largest, layout_->systems[k].n);
+    if (!layout_->systems[k].model->time_invariant()) time_invariant_[partition_->places[k].block] = false;
+  }
+  for (std::size_t k = 0; k < layout_->forces.size(); ++k) {
+    const int block = partition_->places[layout_->forces[k].system[0]].block;
+    forces_[block].push_back(static_cast<int>(k));
+    if (!layout_->forces[k].element->time_invariant()) time_invariant_[block] = false;
+  }
+  for (PoolMatrix* A : {&local_dq_, &local_dv_}) A->reserve(largest, largest);
+  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->reserve(largest);
+  stretch_.resize(3 * layout_->largest_force);
+  for (int n : partition_->sizes)
+    for (PoolMatrix* A : {&dh_dq_, &dh_dv_}) A->reserve(n, n);
+}
+
+void ForceJacobians::evaluate(int block, double t, const Vec& q, const Vec& v) {
+  const int n = partition_->sizes[block];
+  for (PoolMatrix* A : {&dh_dq_, &dh_dv_}) {
+    A->resize(n, n);
+    A->view().setZero();
+  }
+  if (partition_->blocks[block].size() == 1)  // the system's are the block's
+    evaluate_system(partition_->blocks[block][0], t, q, v, dh_dq_, dh_dv_);
+  else
+    for (int system : partition_->blocks[block]) add_system(system, t, q, v);
+  for (int force : forces_[block]) add_element(layout_->forces[force], t, q, v);
+}
+
+void ForceJacobians::add_system(int system, double t, const Vec& q, const Vec& v) {
+  const int n = layout_->systems[system].n, at = partition_->places[system].offset;
+  for (PoolMatrix* A : {&local_dq_, &local_dv_}) {
+    A->resize(n, n);
+    A->view().setZero();
+  }
+  evaluate_system(system, t, q, v, local_dq_, local_dv_);
+  dh_dq_.view().block(at, at, n, n) = local_dq_.view();
+  dh_dv_.view().block(at, at, n, n) = local_dv_.view();
+}
+
+// @param[out] dh_dq, dh_dv  (n, n) of the system, starting as zero
+void ForceJacobians::evaluate_system(int system, double t, const Vec& q, const Vec& v, PoolMatrix& dh_dq,
+                                     PoolMatrix& dh_dv) {
+  const auto& slot = layout_->systems[system];
+  const In local_q(q.data() + slot.offset, slot.n), local_v(v.data() + slot.offset, slot.n);
+  if (!slot.model->force_jacobians(t, local_q, local_v, dh_dq.view(), dh_dv.view()))
+    differentiate(*slot.model, t, local_q, local_v, dh_dq, dh_dv);
+}
+
+void ForceJacobians::differentiate(const LagrangianDS& model, double t, const In& q, const In& v,
+                                   PoolMatrix& dh_dq, PoolMatrix& dh_dv) {
+  const int n = static_cast<int>(q.size());
+  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->resize(n);
+  auto forces = [&](const double* at_q, const double* at_v, PoolVec& h) {
+    h.view().setZero();
+    model.forces(t, {at_q, n}, {at_v, n}, h.view());
+  };
+  forces(q.data(), v.data(), h_);
+  for (const bool in_q : {true, false}) {
+    const In& x = in_q ? q : v;
+    PoolMatrix& slope = in_q ? dh_dq : dh_dv;
+    ahead_.view() = x;
+    for (int j = 0; j < n; ++j) {
+      const double step = step_at(x[j]);
+      ahead_[j] = x[j] + step;
+      forces(in_q ? ahead_.data() : q.data(), in_q ? v.data() : ahead_.data(), h_ahead_);
+      slope.view().col(j) = (h_ahead_.view() - h_.view()) / step;
+      ahead_[j] = x[j];
+    }
+  }
+}
+
+// ∂(W f)/∂v = W f_l̇ Wᵀ; ∂(W f)/∂q = W (f_l Wᵀ + f_l̇ vᵀ∂W/∂q) + f ∂W/∂q
+void ForceJacobians::add_element(const Layout::Force& force, double t, const Vec& q, const Vec& v) {
+  const Stretch state = stretch(*layout_, force, q, v, stretch_.data());
+  const ForceLaw& law = force.element->law();
+  const ForceLaw::Slopes slopes = law.slopes(t, state.length, state.rate);
+  const In W(state.W, force.n);
+  for (PoolMatrix* A : {&local_dq_, &local_dv_}) A->resize(force.n, force.n);
+  local_dv_.view().noalias() = slopes.rate * W * W.transpose();
+  local_dq_.view().noalias() = slopes.length * W * W.transpose();
+  const Relation& relation = force.element->relation();
+  if (!relation.constant_jacobian()) {
+    const double f = law.force(t, state.length, state.rate);
+    for (PoolVec* x : {&ahead_, &h_ahead_}) x->resize(force.n);
+    ahead_.view() = state.q;
+    Out turned = h_ahead_.view();
+    for (int j = 0; j < force.n; ++j) {
+      const double step = step_at(state.q[j]);
+      ahead_[j] = state.q[j] + step;
+      turned.setZero();
+      relation.jacobian({ahead_.data(), force.n}, {turned.data(), 1, force.n});
+      turned = (turned - W) / step;
+      local_dq_.view().col(j) += f * turned + slopes.rate * turned.dot(state.v) * W;
+      ahead_[j] = state.q[j];
+    }
+  }
+  add(force, local_dq_, dh_dq_);
+  add(force, local_dv_, dh_dv_);
+}
+
+void ForceJacobians::add(const Layout::Force& force, const PoolMatrix& local, PoolMatrix& all) const {
+  int row = 0;
+  for (int left = 0; left < force.sides; ++left) {
+    const int a = force.system[left], m = layout_->systems[a].n;
+    int column = 0;
+    for (int right = 0; right < force.sides; ++right) {
+      const int b = force.system[right], n = layout_->systems[b].n;
+      all.view().block(partition_->places[a].offset, partition_->places[b].offset, m, n) +=
+          local.view().block(row, column, m, n);
+      column += n;
+    }
+    row += m;
+  }
+}
+
+}  // namespace saltus

@@ -1,0 +1,81 @@
+#include "saltus/kernel/simulation/modes.hpp"
+
+#include <optional>
+
+#include "saltus/kernel/assembly/force_jacobians.hpp"
+#include "saltus/numerics/linear/largest_eigenvector.hpp"
+
+namespace saltus {
+namespace {
+
+constexpr double symmetry_tolerance = 1e-9;
+
+bool symmetric(const Matrix& A) {
+  return (A - A.transpose()).cwiseAbs().maxCoeff() <= symmetry_tolerance * A.cwiseAbs().maxCoeff();
+}
+
+// M of a block; of time-invariant systems it does not depend on q
+Matrix mass_of(const Layout& layout, const Partition& partition, int block, const Vec& q) {
+  Matrix M = Matrix::Zero(partition.sizes[block], partition.sizes[block]);
+  for (int k : partition.blocks[block]) {
+    const auto& system = layout.systems[k];
+    Matrix own = Matrix::Zero(system.n, system.n);
+    system.model->mass({q.data() + system.offset, system.n}, {own.data(), system.n, system.n});
+    M.block(partition.places[k].offset, partition.places[k].offset, system.n, system.n) = own;
+  }
+  return M;
+}
+
+int most_moved(const Layout& layout, const Partition& partition, int block, const Matrix& M,
+               const Vec& mode) {
+  const Vec momentum = M * mode;
+  int most = partition.blocks[block].front();
+  double largest = -1.0;
+  for (int k : partition.blocks[block]) {
+    const int at = partition.places[k].offset, n = layout.systems[k].n;
+    const double part = mode.segment(at, n).dot(momentum.segment(at, n));
+    if (part > largest) most = k;
+    largest = std::max(largest, part);
+  }
+  return most;
+}
+
+// The mode of the largest eigenvalue of (M, A), A being K or C, if it is positive
+std::optional<Vec> top_mode(const Matrix& A, const Matrix& M) {
+  if (!A.any()) return std::nullopt;
+  const Vec mode = largest_eigenvector(A, M);
+  if (mode.size() == 0 || !(mode.dot(A * mode) > 0.0)) return std::nullopt;
+  return mode;
+}
+
+}  // namespace
+
+std::vector<Mode> fastest_modes(const NonSmoothDynamicalSystem& model) {
+  const auto layout = std::make_shared<const Layout>(model);
+  ForceJacobians jacobians(layout);
+  const Partition& partition = *jacobians.partition();
+  const Vec q = model.q0(), v = model.v0();
+  Mode stiffest{}, most_damped{};
+  for (int block = 0; block < static_cast<int>(partition.blocks.size()); ++block) {
+    if (!jacobians.time_invariant(block)) continue;
+    jacobians.evaluate(block, model.t0(), q, v);
+    const Matrix K = -jacobians.dh_dq(), C = -jacobians.dh_dv();
+    if ((!K.any() && !C.any()) || !symmetric(K) || !symmetric(C)) continue;
+    const Matrix M = mass_of(*layout, partition, block, q);
+    auto note = [&](const Matrix& A, double Mode::* size, Mode& largest) {
+      const std::optional<Vec> mode = top_mode(A, M);
+      if (!mode) return;
+      const Mode found{mode->dot(K * *mode), mode->dot(C * *mode),
+                       most_moved(*layout, partition, block, M, *mode)};
+      if (found.*size > largest.*size) largest = found;
+    };
+    note(K, &Mode::stiffness, stiffest);
+    note(C, &Mode::damping, most_damped);
+  }
+  std::vector<Mode> modes;
+  if (stiffest.stiffness > 0.0) modes.push_back(stiffest);
+  if (most_damped.damping > 0.0) modes.push_back(most_damped);
+  return modes;
+}
+
+}  // namespace saltus
