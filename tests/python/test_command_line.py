@@ -177,6 +177,13 @@ def test_misuse_of_compare_is_one_line_and_2(tmp_path, arguments, message):
     assert "Traceback" not in result.stderr
 
 
+def test_bench_measures_calls_of_model_functions(tmp_path):
+    out = json.loads(saltus("bench", "model-functions", "--json", cwd=tmp_path).stdout)
+    assert out["results"] == []
+    kinds = {row["function"]: row["ns_per_call"] for row in out["model_functions"]}
+    assert set(kinds) == {"method", "compiled", "pointer"}
+
+
 def test_stubs_agree_with_the_module():
     """Every name and signature; what pybind11 classes have in common is left out."""
     command = [sys.executable, "-m", "mypy.stubtest", "saltus._core"]

@@ -12,12 +12,14 @@ from rich.console import Console
 from rich.table import Table
 
 from saltus import _core, registry
+from saltus.cli import bench_functions
 from saltus.cli.progress import progress_bar
 from saltus.kernel import integrators
 from saltus.models import MODELS, Example
 
 REPEATS = 7
 LEAST_STEPS = 40_000  #: of one repeat, in whole runs
+FUNCTIONS = "model-functions"  #: what a call of them costs, beside the models
 
 
 @dataclass(frozen=True)
@@ -49,20 +51,34 @@ def run(names: Sequence[str], schemes: Sequence[str], as_json: bool) -> None:
         If there is no such model or integrator.
     """
     for name in names:
-        if name not in MODELS:
-            raise ValueError(f"no model named '{name}', there are {', '.join(MODELS)}")
+        if name not in MODELS and name != FUNCTIONS:
+            raise ValueError(f"no model named '{name}', there are {', '.join((*MODELS, FUNCTIONS))}")
     chosen = [registry.integrator(scheme).name for scheme in schemes]
     results: list[Result] = []
     skipped: list[Skipped] = []
+    calls: dict[str, float] = {}
     with progress_bar() as show:
-        models = list(names) or list(MODELS)
+        models = list(names) or [*MODELS, FUNCTIONS]
         for index, name in enumerate(models):
             show(name, index / len(models))
+            if name == FUNCTIONS:
+                calls.update(bench_functions.measure())
+                continue
             measure(name, chosen or [entry["name"] for entry in integrators()], results, skipped)
     if as_json:
-        print(json.dumps({"results": [asdict(r) for r in results], "skipped": [asdict(s) for s in skipped]}))
+        ns = [{"function": kind, "ns_per_call": 1e9 * seconds} for kind, seconds in calls.items()]
+        print(
+            json.dumps(
+                {
+                    "results": [asdict(r) for r in results],
+                    "skipped": [asdict(s) for s in skipped],
+                    "model_functions": ns,
+                }
+            )
+        )
     else:
         print_table(results, skipped)
+        print_calls(calls)
 
 
 def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: list[Skipped]) -> None:
@@ -109,6 +125,8 @@ def time_bare_loop(model: Example) -> float:
 
 def print_table(results: Sequence[Result], skipped: Sequence[Skipped]) -> None:
     """Time of a step, and its ratio to the bare loop where there is one."""
+    if not results and not skipped:
+        return
     bare = {r.model: r.us_per_step for r in results if r.integrator == "bare-loop"}
     table = Table(title=f"time of a step, median of {REPEATS} runs, one thread, nothing recorded")
     for heading in ("model", "integrator"):
@@ -122,3 +140,15 @@ def print_table(results: Sequence[Result], skipped: Sequence[Skipped]) -> None:
     console.print(table)
     for s in skipped:
         console.print(f"{s.integrator} on {s.model} not run: {s.reason}", highlight=False)
+
+
+def print_calls(calls: dict[str, float]) -> None:
+    """What the call of a model function costs."""
+    if not calls:
+        return
+    table = Table(title="call of a model function that does nothing, beyond a model without any")
+    table.add_column("function", no_wrap=True)
+    table.add_column("ns/call", justify="right")
+    for kind, seconds in calls.items():
+        table.add_row(kind, f"{1e9 * seconds:.0f}")
+    Console(soft_wrap=True).print(table)
