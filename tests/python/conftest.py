@@ -25,6 +25,19 @@ def build_project(tmp_path_factory):
     return build
 
 
+@pytest.fixture(scope="session")
+def shared_library(tmp_path_factory):
+    """A function that compiles C into a shared library and returns its path."""
+
+    def compile_(source):
+        folder = tmp_path_factory.mktemp("library")
+        (folder / "own.c").write_text(source)
+        _run("gcc", "-O2", "-shared", "-fPIC", folder / "own.c", "-o", folder / "libown.so")
+        return folder / "libown.so"
+
+    return compile_
+
+
 def _run(*command):
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -3,8 +3,6 @@
 import ctypes
 import gc
 import math
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -74,13 +72,8 @@ void cubic(double t, int n, const double* q, const double* v, double* out, const
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("library")
-    source, target = folder / "own.c", folder / "libown.so"
-    source.write_text(SOURCE)
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    subprocess.run([compiler, "-O2", "-shared", "-fPIC", source, "-o", target], check=True)
-    return target
+def library(shared_library):
+    return shared_library(SOURCE)
 
 
 @saltus.compiled

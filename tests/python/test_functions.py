@@ -1,8 +1,6 @@
 """Model functions: compiled, of a shared library, and by pointer."""
 
 import ctypes
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -22,13 +20,8 @@ void uses_v(double t, int n, in q, in v, double* out, in p) { out[0] = v[0]; }
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("library")
-    source, target = folder / "own.c", folder / "libown.so"
-    source.write_text(SOURCE)
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    subprocess.run([compiler, "-O2", "-shared", "-fPIC", source, "-o", target], check=True)
-    return target
+def library(shared_library):
+    return shared_library(SOURCE)
 
 
 @saltus.compiled
