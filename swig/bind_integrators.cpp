@@ -263,6 +263,7 @@ void bind_failure(py::module_& module) {
   error = PyErr_NewExceptionWithDoc("saltus.kernel.StepFailure",
                                     "A step that a Python integrator cannot take; `status` says why.",
                                     PyExc_ArithmeticError, nullptr);
+  py::setattr(error, "status", py::cast(StepStatus::iteration_failed));  // of those that Python raises
   module.attr("StepFailure") = error;
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {

@@ -51,8 +51,8 @@ std::string PyIntegrator::name() const { return class_name(python_object<OneStep
 void PyIntegrator::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
   const auto prepare = method<OneStepIntegrator>(python_object<OneStepIntegrator>(this), "prepare",
                                                  "prepare(self, system, solver)");
-  prepare(py::cast(&model, py::return_value_policy::reference),
-          py::cast(&solver, py::return_value_policy::reference));
+  // Copies: Python may keep them longer than the simulation lives.
+  prepare(py::cast(std::make_unique<NonSmoothDynamicalSystem>(model)), py::cast(solver.clone()));
 }
 
 StepReport PyIntegrator::step(double dt, State& state, Reactions& reactions) {
@@ -76,7 +76,9 @@ StepReport PyIntegrator::step(double dt, State& state, Reactions& reactions) {
   if (report.status != StepStatus::ok) return report;
   const auto& s = new_state.cast<const State&>();
   const auto& r = new_reactions.cast<const Reactions&>();
-  if (!s.q.allFinite() || !s.v.allFinite()) {
+  const bool finite = s.q.allFinite() && s.v.allFinite() && r.lambda_plus.allFinite() &&
+                      r.lambda_minus.allFinite() && r.impulse.allFinite();
+  if (!finite) {
     report.status = StepStatus::not_finite;
     return report;
   }
@@ -105,6 +107,9 @@ SolveReport PyContactSolver::solve(const ContactProblem& problem, double* P) {
   py::array_t<double> impulses(rows, P);
   const py::object iterations = solve(py::array_t<double>({rows, rows}, problem.G.row(0)),
                                       py::array_t<double>(rows, problem.b.data()), problem.sets, impulses);
+  if (!iterations.is_none() && !py::isinstance<py::int_>(iterations))
+    throw py::type_error(std::string(name()) + ".solve must return None or the number of iterations, got " +
+                         Py_TYPE(iterations.ptr())->tp_name);
   if (!iterations.is_none()) report.iterations = iterations.cast<int>();
   std::copy_n(impulses.data(), rows, P);
   Vec xi(rows);
@@ -172,6 +177,9 @@ ContactImpulses PyContactStage::solve(const std::vector<int>& active, PyConfigur
   require_size(v, layout_->n, "v");
   if (before) require_size(*before, layout_->rows, "before");
   if (warm_start) require_size(*warm_start, layout_->rows, "warm_start");
+  if (!constraint.has_layout_of(*layout_) || !force.has_layout_of(*layout_))
+    throw std::invalid_argument(
+        "constraint and force must be configurations of the system of this ContactStage");
   for (int contact : active)
     if (contact < 0 || contact >= static_cast<int>(layout_->contacts.size()))
       throw std::invalid_argument("active must hold numbers of contacts from 0 to " +

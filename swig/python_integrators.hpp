@@ -50,6 +50,12 @@ class PyConfiguration {
   Vec velocities(const Vec& v);
   std::vector<int> closed() const;
   double kinetic_energy(const Vec& v) const;
+  /// Is this of the same system, as far as sizes tell?
+  bool has_layout_of(const Layout& layout) const {
+    return layout_->n == layout.n && layout_->rows == layout.rows &&
+           layout_->jacobian_entries == layout.jacobian_entries &&
+           layout_->contacts.size() == layout.contacts.size();
+  }
   const Configuration& get() const { return configuration_; }
   Configuration& get() { return configuration_; }
 

@@ -125,7 +125,8 @@ bool PyLagrangianDS::force_jacobians(double t, const In& q, const In& v, OutMatr
 }
 
 double PyLagrangianDS::potential_energy(const In& q) const {
-  if (functions().potential_energy || !find(potential_energy_)) return FunctionDS::potential_energy(q);
+  if (functions().potential_energy) potential_energy_.forbid(find(potential_energy_));
+  if (!find(potential_energy_)) return FunctionDS::potential_energy(q);
   CachedArray position({q.size()}, false);
   position.set(q.data());
   const py::object energy = potential_energy_.call({position.object()});

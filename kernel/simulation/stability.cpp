@@ -51,7 +51,9 @@ class TestOscillator {
       A.col(column) << state.q[0], state.v[0] / rate_;
     }
     const double half_trace = 0.5 * A.trace(), determinant = A.determinant();
-    const double discriminant = half_trace * half_trace - determinant;
+    // Not half_trace² − determinant, whose digits cancel near a double eigenvalue.
+    const double half_difference = 0.5 * (A(0, 0) - A(1, 1));
+    const double discriminant = half_difference * half_difference + A(0, 1) * A(1, 0);
     const double radius =
         discriminant < 0.0 ? std::sqrt(determinant) : std::abs(half_trace) + std::sqrt(discriminant);
     return std::log(radius) * std::max(1.0, 2.0 * std::numbers::pi / (rate_ * dt));

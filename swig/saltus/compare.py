@@ -316,6 +316,9 @@ def _times(about: Model, time_steps: Sequence[float], until: float | None) -> tu
     end = about.until if until is None else float(until)
     if not steps:
         raise ValueError(f"'{about.name}' has no time step of its own (TIME_STEP): time steps are needed")
+    for step in steps:
+        if not 0 < step < float("inf"):
+            raise ValueError(f"time steps must be positive and finite, got {step:g}")
     if end is None:
         raise ValueError(f"'{about.name}' has no end of its own (UNTIL): until is needed")
     return steps, end

@@ -110,7 +110,17 @@ def entry(t, n, q_pointer, v_pointer, out_pointer, parameters_pointer):
     except Exception:
         out[...] = nan
 """
-    inner = numba.njit(error_model="numpy", boundscheck=True)(function)
+    read_only = types.Array(types.float64, 1, "C", readonly=True)  # as the arrays of methods are
+    axes = len([extent for extent in shape.strip("()").split(",") if extent])
+    arrays = dict.fromkeys(("q", "v", "parameters"), read_only)
+    arrays["out"] = types.Array(types.float64, axes, "C")
+    inner = numba.njit(
+        tuple(arrays.get(name, types.float64) for name in given), error_model="numpy", boundscheck=True
+    )(function)
+    [signature] = inner.nopython_signatures
+    if method not in RETURNED and signature.return_type != types.none:
+        got = f"got {signature.return_type}"
+        raise TypeError(f"{function.__qualname__} must write into out and return None, {got}")
     scope: dict[str, Any] = {"carray": carray, "inner": inner, "nan": float("nan")}
     exec(source, scope)
     pointer = types.CPointer(types.float64)  # type: ignore[no-untyped-call]

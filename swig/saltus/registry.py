@@ -14,7 +14,7 @@ import inspect
 import sys
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from saltus import _core
 from saltus._core import ContactSolver, OneStepIntegrator, integrators, solvers
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 Integrator = TypeVar("Integrator", bound=type[OneStepIntegrator])
 Solver = TypeVar("Solver", bound=type[ContactSolver])
+
+_registered: dict[str, type] = {}  # the Python classes in the tables
 
 
 class IntegratorFactory:
@@ -116,6 +118,8 @@ def _value(node: ast.expr) -> float | str:
 
 def solver(name: str) -> str:
     """Name in the table of a contact solver, whatever it comes from. Raises ValueError as `integrator`."""
+    if not isinstance(name, str):
+        raise TypeError(f"solver must be a name, got {type(name).__name__}")
     known = _load(name, ContactSolver) or (_core.load_contact_solver(name) if ":" in name else name)
     if known in solvers():
         return known
@@ -145,6 +149,7 @@ def register_integrator(cls: Integrator) -> Integrator:
             parameter.default if isinstance(parameter.default, str) else float(parameter.default)
         )
     _core.register_class(cls.__name__, _summary(cls), getattr(cls, "properties", {}), options, cls)
+    _registered[cls.__name__] = cls
     return cls
 
 
@@ -155,6 +160,7 @@ def register_solver(cls: Solver) -> Solver:
     """
     _require_class(cls, ContactSolver)
     _core.register_solver_class(cls.__name__, _summary(cls), cls)
+    _registered[cls.__name__] = cls
     return cls
 
 
@@ -173,11 +179,14 @@ def _load(name: str, base: type) -> str | None:
     module = load_module(source)
     if module is None:
         return None
-    cls = getattr(module, class_name, None)
+    cls: Any = getattr(module, class_name, None)
     if cls is None:
         raise ValueError(f"'{source}' has no class '{class_name}'")
-    _require_class(cls, base)
-    if cls.__name__ not in ({e["name"] for e in integrators()} | set(solvers())):
+    try:
+        _require_class(cls, base)
+    except TypeError as error:
+        raise ValueError(f"'{name}': {error}") from error
+    if _registered.get(cls.__name__) is not cls:
         register_integrator(cls) if base is OneStepIntegrator else register_solver(cls)
     return str(cls.__name__)
 
@@ -185,7 +194,7 @@ def _load(name: str, base: type) -> str | None:
 def load_module(source: str) -> ModuleType | None:
     """The module that a file "….py" or "package.module" is, loaded once; None if it names no Python module.
 
-    Raises ValueError if there is no such file.
+    Raises ValueError if there is no such file, or it cannot be imported.
     """
     if source.endswith(".py"):
         path = Path(source).resolve()
@@ -198,8 +207,13 @@ def load_module(source: str) -> ModuleType | None:
         assert spec is not None
         assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
-        sys.modules.setdefault(path.stem, module)
-        spec.loader.exec_module(module)
+        # Under its path: two files of one name are two modules.
+        sys.modules[str(path)] = module
+        try:
+            spec.loader.exec_module(module)
+        except Exception as error:
+            del sys.modules[str(path)]
+            raise ValueError(f"'{source}' cannot be imported: {type(error).__name__}: {error}") from error
         return module
     if all(part.isidentifier() for part in source.split(".")) and _importable(source):
         return importlib.import_module(source)

@@ -83,6 +83,10 @@ TEST(StabilityLimit, OfADamperWithoutASpring) {
   EXPECT_EQ(found->omega, 0.0);
   EXPECT_NEAR(found->largest_stable * 50.0, 2.0, 1e-6);
   EXPECT_FALSE(find_instability(model, *theta_scheme(0.5), 1.0));
+  // However strong: near the double eigenvalue 1 the digits must not cancel.
+  const auto stiff = find_instability(make_oscillator(0.0, 0.0, 0.0, 1e8), *scheme, 1e-7);
+  ASSERT_TRUE(stiff);
+  EXPECT_NEAR(stiff->largest_stable * 1e8, 2.0, 1e-6);
 }
 
 // A chain of n masses between walls, ω_max = 2 √(k/m) sin(nπ / (2n+2)), of systems or as one.

@@ -1,5 +1,6 @@
 """Integrators and contact solvers from outside: Python classes, and a project of its own."""
 
+import gc
 import json
 import subprocess
 import sys
@@ -226,6 +227,79 @@ def test_failures_of_a_python_integrator():
         sk.TimeStepping(oscillator(), failing(t=0.0), 1e-3).run(1.0)
     with pytest.raises(ValueError, match="v must have 1 entries, got 2"):
         sk.TimeStepping(oscillator(), failing(v=[1.0, 2.0]), 1e-3).run(1.0)
+
+
+def test_an_integrator_can_give_up():
+    class GivingUpOSI(sk.OneStepIntegrator):
+        def prepare(self, system, solver):
+            pass
+
+        def step(self, dt, state, reactions):
+            raise sk.StepFailure("no step")
+
+    with pytest.raises(sk.SimulationError, match="iteration for the velocities does not converge"):
+        run(bouncing_ball.build(), GivingUpOSI(), 1e-3, 1.0)
+
+
+def test_a_nan_impulse_is_a_failure():
+    class NanOSI(sk.OneStepIntegrator):
+        def prepare(self, system, solver):
+            pass
+
+        def step(self, dt, state, reactions):
+            reactions.impulse = [np.nan]
+            return sk.StepReport()
+
+    with pytest.raises(sk.SimulationError, match="not finite"):
+        run(bouncing_ball.build(), NanOSI(), 1e-3, 1.0)
+
+
+def test_parts_outlive_the_simulation_that_made_them():
+    kept = {}
+
+    class KeepingOSI(sk.OneStepIntegrator):
+        def prepare(self, system, solver):
+            kept.update(system=system, at=sk.Configuration(system), stage=sk.ContactStage(system, solver))
+
+        def step(self, dt, state, reactions):
+            return sk.StepReport()
+
+    sk.TimeStepping(bouncing_ball.build(), KeepingOSI(), 1e-3)  # gone at once
+    gc.collect()
+    hit = kept["stage"].solve([0], kept["at"], kept["at"], [-2.0])
+    assert hit.velocity == pytest.approx([2.0])
+    assert sk.Configuration(kept["system"]).q == pytest.approx([1.0])
+
+
+def test_a_configuration_of_another_system_is_refused():
+    class MixingOSI(sk.OneStepIntegrator):
+        def prepare(self, system, solver):
+            other = sk.Configuration(oscillator())
+            sk.ContactStage(system, solver).solve([0], other, other, [0.0])
+
+    with pytest.raises(ValueError, match="configurations of the system of this ContactStage"):
+        sk.TimeStepping(bouncing_ball.build(), MixingOSI(), 1e-3)
+
+
+def test_two_classes_of_one_name_are_not_mixed_up(tmp_path):
+    source = (ROOT / "examples/extending/trapezoidal_moreau.py").read_text()
+    for folder, name in (("a", "TwiceOSI"), ("b", "TwiceOSI"), ("c", "MoreauJeanOSI")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "own.py").write_text(source.replace("TrapezoidalMoreauOSI", name))
+    assert registry.integrator(f"{tmp_path}/a/own.py:TwiceOSI").name == "TwiceOSI"
+    assert registry.integrator(f"{tmp_path}/a/own.py:TwiceOSI").name == "TwiceOSI"
+    with pytest.raises(ValueError, match="there is one named 'TwiceOSI' already"):
+        registry.integrator(f"{tmp_path}/b/own.py:TwiceOSI")
+    with pytest.raises(ValueError, match="there is one named 'MoreauJeanOSI' already"):
+        registry.integrator(f"{tmp_path}/c/own.py:MoreauJeanOSI")
+
+
+def test_a_file_that_cannot_be_imported_is_named_each_time(tmp_path):
+    path = tmp_path / "broken.py"
+    path.write_text("raise RuntimeError('mine')")
+    for _ in range(2):
+        with pytest.raises(ValueError, match=r"broken.py' cannot be imported: RuntimeError: mine"):
+            registry.integrator(f"{path}:OSI")
 
 
 def test_a_part_that_fails_ends_the_run_with_its_status():

@@ -187,6 +187,37 @@ def test_what_is_no_model_function_is_refused(forces, error, message):
         sk.LagrangianDS([0.0], [0.0], [[1.0]], forces=forces)
 
 
+@pytest.mark.parametrize("name", ["q", "v", "parameters"])
+def test_a_compiled_function_cannot_write_into_what_it_is_given(name):
+    scope = {}
+    exec(f"def forces(t, q, v, out, parameters):\n    {name}[0] = 99.0", scope)
+    with pytest.raises(Exception, match="readonly array"):
+        sk.LagrangianDS([0.0], [0.0], [[1.0]], forces=saltus.compiled(scope["forces"]), parameters=[1.0])
+
+
+def test_a_compiled_function_that_returns_its_forces_is_refused():
+    @saltus.compiled
+    def forces(t, q, v, out):
+        return 3.0
+
+    with pytest.raises(TypeError, match="must write into out and return None, got float64"):
+        sk.LagrangianDS([0.0], [0.0], [[1.0]], forces=forces)
+
+
+def test_a_potential_energy_is_given_in_one_way():
+    class Both(sk.LagrangianDS):
+        def potential_energy(self, q):
+            return 5.0
+
+    @saltus.compiled
+    def energy(q):
+        return 1.0
+
+    body = Both([0.0], [0.0], [[1.0]], forces=spring, parameters=[1.0], potential_energy=energy)
+    with pytest.raises(ValueError, match="Both.potential_energy is defined"):
+        sk.TimeStepping(sk.NonSmoothDynamicalSystem([body]), "HalfExplicitTrapezoidalOSI", 1e-3)
+
+
 def test_a_missing_symbol_is_named(library):
     with pytest.raises(ValueError, match="exports no 'gravity'"):
         sk.LagrangianDS([0.0], [0.0], [[1.0]], forces=f"{library}:gravity")

@@ -201,7 +201,9 @@ def conformance(
         ),
     ] = None,
 ) -> None:
-    """Measure whether integrators keep what their line in the table says; exit status 1 if one does not."""
+    """Measure whether integrators keep what their line in the table says; exit status 1 if one does not,
+    2 if there is none of that name.
+    """
     from saltus import kernel
     from saltus.conformance import findings
 
@@ -209,9 +211,12 @@ def conformance(
     broken = 0
     for name in integrators or [entry["name"] for entry in kernel.integrators()]:
         console.print(name, style="bold", markup=False)
-        for finding in findings(name):
-            console.print(str(finding), highlight=False, markup=False, style=None if finding.ok else "red")
-            broken += not finding.ok
+        with _misuse():
+            for finding in findings(name):
+                console.print(
+                    str(finding), highlight=False, markup=False, style=None if finding.ok else "red"
+                )
+                broken += not finding.ok
     raise typer.Exit(code=1 if broken else 0)
 
 
