@@ -40,7 +40,7 @@ Vec row_of(const std::vector<double>& column, long row, long width) {
 }  // namespace
 
 Sampler::Sampler(const NonSmoothDynamicalSystem& model, double time_step, const std::vector<double>* times)
-    : model_(&model), times_(times), normal_rows_(normal_rows(model)) {
+    : layout_(model), times_(times), normal_rows_(normal_rows(model)) {
   run_.time_step = time_step;
   run_.impulses.resize(normal_rows_.size());
 }
@@ -99,12 +99,7 @@ void Sampler::keep_between(double t) {
 }
 
 double Sampler::balance(const Row& row) const {
-  double potential = 0.0;
-  int offset = 0;
-  for (const auto& system : model_->systems()) {
-    potential += system->potential_energy({row.state.q.data() + offset, system->dimension()});
-    offset += system->dimension();
-  }
+  const double potential = potential_energy(layout_, row.state.q);
   return row.kinetic - row.work + (std::isfinite(potential) ? potential : 0.0);
 }
 

@@ -62,7 +62,7 @@ class Sampler {
   void keep_between(double t);
   double balance(const Row& row) const;
 
-  const NonSmoothDynamicalSystem* model_;
+  Layout layout_;
   const std::vector<double>* times_;
   std::size_t next_ = 0;
   std::vector<int> normal_rows_;  // of the unilateral contacts

@@ -1,5 +1,7 @@
 #include "saltus/numerics/contact_solver.hpp"
 
+#include <algorithm>
+
 namespace saltus {
 
 std::string_view to_string(SolveStatus status) {
@@ -10,6 +12,17 @@ std::string_view to_string(SolveStatus status) {
     case SolveStatus::breakdown: break;
   }
   return "breakdown";
+}
+
+bool keep_if_better(const ContactProblem& problem, const double* trial, double* xi, SolveReport& report,
+                    double* P) {
+  const Certificate certificate = certify(problem, trial, xi);
+  const bool solved = certificate.within(default_tolerance);
+  if (solved || certificate.residual < report.certificate.residual) {
+    report.certificate = certificate;
+    std::copy_n(trial, problem.rows(), P);
+  }
+  return solved;
 }
 
 }  // namespace saltus

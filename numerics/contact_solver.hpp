@@ -26,6 +26,13 @@ struct SolveReport {
   std::string_view solver;  ///< name of the method that answered
 };
 
+/// Takes a trial over into P and the report if it solves the problem, or has a smaller residual than P.
+/// @param trial    (rows) [N s]
+/// @param[out] xi  (rows) [m/s], of the trial
+/// @return true if it solves the problem
+bool keep_if_better(const ContactProblem& problem, const double* trial, double* xi, SolveReport& report,
+                    double* P);
+
 /// Finds P with xi = G P + b and every contact's law between xi and P.
 class ContactSolver {
  public:

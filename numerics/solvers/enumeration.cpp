@@ -53,13 +53,7 @@ SolveReport Enumeration::solve(const ContactProblem& problem, double* P) {
     }
     std::fill_n(trial_.data(), rows, 0.0);
     active_.solve(problem, trial_.data());
-    const Certificate certificate = certify(problem, trial_.data(), xi_.data());
-    const bool solved = certificate.within(default_tolerance);
-    if (solved || certificate.residual < report.certificate.residual) {
-      report.certificate = certificate;
-      std::copy_n(trial_.data(), rows, P);
-    }
-    if (solved) return report;
+    if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
   }
   report.status = SolveStatus::breakdown;
   return report;

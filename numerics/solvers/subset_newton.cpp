@@ -45,13 +45,7 @@ SolveReport SubsetNewton::solve(const ContactProblem& problem, double* P) {
       report.iterations += newton_.solve(part_, part_P_.data()).iterations;
       std::fill_n(trial_.data(), rows, 0.0);
       for (int i = 0; i < part_.rows(); ++i) trial_[rows_[i]] = part_P_[i];
-      const Certificate certificate = certify(problem, trial_.data(), xi_.data());
-      const bool solved = certificate.within(default_tolerance);
-      if (solved || certificate.residual < report.certificate.residual) {
-        report.certificate = certificate;
-        std::copy_n(trial_.data(), rows, P);
-      }
-      if (solved) return report;
+      if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
     }
   }
   report.status = SolveStatus::breakdown;

@@ -130,5 +130,30 @@ TEST(Compare, MisuseIsRefused) {
   EXPECT_THROW(candidate("NoSuchOSI"), std::invalid_argument);
 }
 
+TEST(Comparison, TheEnergyOfSpringsBelongsToTheBalance) {
+  // Two masses on a spring, as a force element and as a stiffness matrix: the same motion, the same drift.
+  const double k = 400.0;
+  const auto mass = [](double x) {
+    return std::make_shared<LagrangianLinearTIDS>(vec({x}), vec({0.0}), Matrix::Identity(1, 1));
+  };
+  const auto left = mass(0.0), right = mass(1.5);
+  NonSmoothDynamicalSystem elements({left, right});
+  const Matrix apart = (Matrix(1, 2) << -1.0, 1.0).finished();
+  elements.add_force(
+      std::make_shared<ForceElement>(std::make_shared<LagrangianLinearTIR>(apart), SpringDamper(k, 0.0, 0.0)),
+      *left, right.get());
+  const Matrix K = k * apart.transpose() * apart;
+  const NonSmoothDynamicalSystem whole(
+      {std::make_shared<LagrangianLinearTIDS>(vec({0.0, 1.5}), vec({0.0, 0.0}), Matrix::Identity(2, 2),
+                                              LagrangianLinearTIDS::Terms{.stiffness = K})});
+  CompareSettings settings;
+  settings.integrators = {candidate("HalfExplicitTrapezoidalOSI")};
+  settings.time_steps = {1e-2};
+  settings.until = 1.0;
+  const double drift = compare(whole, settings).rows[0].figures.energy_drift;
+  EXPECT_GT(drift, 1e-4);  // (ωΔt)² of it comes and goes
+  EXPECT_NEAR(compare(elements, settings).rows[0].figures.energy_drift, drift, 1e-9 * drift);
+}
+
 }  // namespace
 }  // namespace saltus::test

@@ -11,8 +11,8 @@ namespace saltus {
 ///   M(q_θ)(v⁺ − v) = Δt (θ h(t⁺, q⁺, v⁺) + (1−θ) h(t, q, v)) + W(q⁺) Λ,   q_θ = (1−θ) q + θ q⁺,
 ///   q⁺ = q + Δt (θ v⁺ + (1−θ) v),   law (6)-(7) between W(q⁺)ᵀv⁺ + ε W(q)ᵀv and Λ,
 /// on the contacts that half a step of free motion would close (33). Newton's iteration; a single one for
-/// time-invariant systems and force elements whose relations are linear. Of order 2 in smooth motion for θ =
-/// ½, else 1.
+/// time-invariant systems and force elements whose relations are linear. Of order 2 in smooth motion for
+/// θ = ½, else 1.
 class MoreauJean final : public OneStepIntegrator {
  public:
   /// @param theta  in [0, 1]
