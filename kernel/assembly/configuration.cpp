@@ -9,6 +9,11 @@
 #include "saltus/numerics/contact_solver.hpp"
 
 namespace saltus {
+namespace {
+
+constexpr double rounding = 1e-15;  // relative, of a sum of a few terms
+
+}  // namespace
 
 Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
   q_.setZero(layout_->n);
@@ -142,6 +147,17 @@ double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a
       size += std::abs(*J++) * (std::abs(v[j]) + dt * std::abs(a[j]));
   }
   return default_tolerance * size;
+}
+
+double Configuration::gap_tolerance(int contact, int row) {
+  const auto& slot = layout_->contacts[contact];
+  const double* J = jacobian(contact) + static_cast<std::size_t>(row) * slot.n;
+  double size = 0.0;
+  for (int side = 0; side < slot.sides; ++side) {
+    const auto& system = layout_->systems[slot.system[side]];
+    for (int j = system.offset; j < system.offset + system.n; ++j) size += std::abs(*J++ * q_[j]);
+  }
+  return rounding * size;
 }
 
 void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot) {

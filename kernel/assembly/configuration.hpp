@@ -62,6 +62,8 @@ class Configuration final : public BlockInverse {
   /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
   /// terms of size |v| + Δt |a| [m/s]
   double velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt);
+  /// A gap below this is zero up to the rounding of its terms [m]. @param row  of the contact's gaps
+  double gap_tolerance(int contact, int row);
   /// (dWᵀ/dt) v + Wᵀ a of one contact, (38). @param[out] gamma_dot (rows) [m/s²]
   void relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot);
 

@@ -5,6 +5,7 @@ namespace saltus {
 void Reactions::set_zero(int rows) {
   lambda_plus.setZero(rows);
   lambda_minus.setZero(rows);
+  force.setZero(rows);
   impulse.setZero(rows);
 }
 

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "saltus/kernel/model/nonsmooth_dynamical_system.hpp"
 #include "saltus/numerics/contact_solver.hpp"
@@ -13,12 +14,16 @@ struct State {
   double t = 0.0;  ///< [s]
   Vec q;           ///< (n)
   Vec v;           ///< (n) right limit v⁺
+  /// (contacts) not zero: held closed by a scheme that remembers contacts, though the gap may have drifted
+  /// open. Empty if no such scheme has taken a step.
+  std::vector<unsigned char> held = {};
 };
 
 /// Contact forces and impulses of one step, at full size: rows of contacts that are open are zero.
 struct Reactions {
   Vec lambda_plus;   ///< (rows) λ⁺ at the start of the step [N]
   Vec lambda_minus;  ///< (rows) λ⁻ at its end [N]
+  Vec force;         ///< (rows) their mean over the step, by the scheme's quadrature [N]
   Vec impulse;       ///< (rows) Λ at its end [N s]
 
   void set_zero(int rows);
@@ -45,8 +50,8 @@ struct StepReport {
   double residual = 0.0;        ///< largest certificate of the step [m/s]
   double penetration = 0.0;     ///< largest -g of the unilateral contacts at the end [m]
   double kinetic_energy = 0.0;  ///< at the end [J]
-  double work_forces = 0.0;     ///< of h and ½ vᵀṀv over the step, by the scheme's quadrature [J]
-  double work_lambda = 0.0;     ///< of λ⁺, λ⁻ likewise [J]
+  double work_forces = 0.0;     ///< of h by the scheme's quadrature, ½ vᵀṀv by the trapezoidal rule [J]
+  double work_lambda = 0.0;     ///< of λ by the scheme's quadrature [J]
   double work_impulse = 0.0;    ///< of Λ: exactly the jump of the kinetic energy [J]
 };
 

@@ -1,33 +1,134 @@
 #include "saltus/kernel/integrators/registry.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
+#include "saltus/kernel/integrators/impact_refinement.hpp"
 #include "saltus/kernel/integrators/moreau_jean/explicit_moreau_jean.hpp"
 #include "saltus/kernel/integrators/moreau_jean/moreau_jean.hpp"
 #include "saltus/numerics/registry.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 namespace {
 
-std::unique_ptr<OneStepIntegrator> make_trapezoidal(const Options& options) {
-  const bool predicted = std::get<std::string>(options.at("activity")) == "predicted";
-  return std::make_unique<HalfExplicit>("HalfExplicitTrapezoidalOSI", trapezoidal_tableau(), Level::velocity,
-                                        predicted ? Activity::predicted : Activity::start);
+constexpr const char* trapezoidal_name = "HalfExplicitTrapezoidalOSI";
+constexpr const char* runge_kutta_name = "HalfExplicitRungeKuttaOSI";
+constexpr double most_substeps = 1e6;
+
+const std::string& word(const Options& options, const char* name) {
+  return std::get<std::string>(options.at(name));
 }
 
-std::unique_ptr<OneStepIntegrator> make_acceleration(const Options&) {
-  return std::make_unique<HalfExplicit>("DMinusAccelerationOSI", trapezoidal_tableau(), Level::acceleration,
-                                        Activity::start);
-}
+// ---- Half-explicit schemes on velocity level
 
 const SchemeOption activity_option = {
     "activity",
     "start",
-    {"start", "predicted"},
-    "contacts that carry λ⁺: closed at the start of the step (69), or at the predicted position (77), "
-    "which corrupts impacts"};
+    {"start", "sticky", "predicted"},
+    "contacts that carry λ: closed at the start of the step (69); those and the ones held, so that a drift "
+    "costs no force; or closed at the predicted position (77), (B.11), which corrupts impacts"};
+
+const SchemeOption stabilization_option = {
+    "stabilization",
+    "none",
+    {"none", "position"},
+    "position: pulls drifted positions back to the constraints after every step without impact; the activity "
+    "is sticky then"};
+
+const SchemeOption impact_option = {
+    "impact",
+    "paper",
+    {"paper", "keep-resting-forces"},
+    "velocity before an impact: without any λ (55), or with λ of the contacts that were closed before, which "
+    "then stay at rest"};
+
+const SchemeOption substeps_option = {
+    "impulsive_substeps",
+    1.0,
+    {},
+    "parts in which a step with an impact is taken again; 10 is the paper's choice of Section 6.2"};
+
+const std::vector<SchemeOption> velocity_level_options = {activity_option, stabilization_option,
+                                                          impact_option, substeps_option};
+
+HalfExplicitSettings velocity_level_settings(const std::string& scheme, const Options& options) {
+  HalfExplicitSettings settings;
+  const std::string& activity = word(options, "activity");
+  settings.stabilized = word(options, "stabilization") == "position";
+  if (settings.stabilized && activity == "predicted")
+    throw std::invalid_argument(scheme + ": stabilization = position takes the activity sticky, got " +
+                                activity);
+  const bool keeps = word(options, "impact") == "keep-resting-forces";
+  if (keeps && activity == "predicted")
+    throw std::invalid_argument(scheme +
+                                ": impact = keep-resting-forces takes no activity predicted, which "
+                                "lets contacts that were open carry forces");
+  if (activity == "predicted") settings.activity = Activity::predicted;
+  if (activity == "sticky" || settings.stabilized) settings.activity = Activity::sticky;
+  if (keeps) settings.impact = ImpactRule::keep_resting_forces;
+  return settings;
+}
+
+std::unique_ptr<OneStepIntegrator> make_on_velocity_level(const std::string& scheme, const Tableau& tableau,
+                                                          const Options& options) {
+  auto integrator = std::make_unique<HalfExplicit>(scheme, tableau, velocity_level_settings(scheme, options));
+  const double parts = std::get<double>(options.at("impulsive_substeps"));
+  if (!(parts >= 1.0 && parts <= most_substeps) || parts != std::floor(parts))
+    throw std::invalid_argument(scheme + ": impulsive_substeps must be a whole number from 1 to " +
+                                number(most_substeps) + ", got " + number(parts));
+  if (parts == 1.0) return integrator;
+  return std::make_unique<ImpactRefinement>(std::move(integrator), static_cast<int>(parts));
+}
+
+SchemeProperties velocity_level_properties(TableauOrder order, const Options& options) {
+  return {.order_free = order.free,
+          .order_bilateral = order.constrained,
+          .order_sliding = order.constrained,
+          .impact_law = word(options, "activity") != "predicted",
+          .forces_at_rest = true};
+}
+
+struct NamedTableau {
+  const char* name;
+  Tableau (*make)();
+};
+
+constexpr NamedTableau tableaux[] = {{"Heun", heun_tableau},
+                                     {"third-order", third_order_tableau},
+                                     {"Kutta3", kutta3_tableau},
+                                     {"RK4", rk4_tableau},
+                                     {"HEM5", hem5_tableau}};
+
+SchemeOption tableau_option() {
+  SchemeOption option{"tableau", "third-order", {}, "coefficients a, b, c of (B.9)-(B.16)", true};
+  for (const NamedTableau& tableau : tableaux) option.choices.push_back(tableau.name);
+  return option;
+}
+
+Tableau tableau_of(const Options& options) {
+  const OptionValue& value = options.at("tableau");
+  if (const auto* own = std::get_if<Tableau>(&value)) return *own;
+  const auto named = std::find_if(std::begin(tableaux), std::end(tableaux), [&](const NamedTableau& t) {
+    return t.name == std::get<std::string>(value);
+  });
+  return named->make();  // the word is one of the choices
+}
+
+std::vector<SchemeOption> runge_kutta_options() {
+  std::vector<SchemeOption> all = velocity_level_options;
+  all.insert(all.begin(), tableau_option());
+  return all;
+}
+
+// ---- The others
+
+std::unique_ptr<OneStepIntegrator> make_acceleration(const Options&) {
+  return std::make_unique<HalfExplicit>("DMinusAccelerationOSI", trapezoidal_tableau(),
+                                        HalfExplicitSettings{.level = Level::acceleration});
+}
 
 const SchemeOption theta_option = {
     "theta", 0.5, {}, "weight of the end of the step in forces and positions, in [0, 1]"};
@@ -38,18 +139,18 @@ std::string join(const std::vector<std::string>& words) {
   return all.empty() ? "none" : all;
 }
 
-// A value of the option's type: a word among its choices, or a number.
+// A value of the option's type: a word among its choices, a number, or a tableau.
 OptionValue checked(const std::string& scheme, const SchemeOption& option, const OptionValue& value) {
-  if (value.index() != option.standard.index())
-    throw std::invalid_argument(scheme + ": " + option.name +
-                                (option.choices.empty()
-                                     ? " must be a number, got a word"
-                                     : " must be one of " + join(option.choices) + ", got a number"));
+  if (option.takes_tableau && std::holds_alternative<Tableau>(value)) return value;
   const auto* word = std::get_if<std::string>(&value);
-  if (word && std::find(option.choices.begin(), option.choices.end(), *word) == option.choices.end())
-    throw std::invalid_argument(scheme + ": " + option.name + " must be one of " + join(option.choices) +
-                                ", got '" + *word + "'");
-  return value;
+  const bool in_choices =
+      word && std::find(option.choices.begin(), option.choices.end(), *word) != option.choices.end();
+  if (value.index() == option.standard.index() && (!word || in_choices)) return value;
+  const char* kinds[] = {"a number", "a word", "a tableau"};
+  std::string expected = option.choices.empty() ? "a number" : "one of " + join(option.choices);
+  if (option.takes_tableau) expected += ", or a Tableau";
+  throw std::invalid_argument(scheme + ": " + option.name + " must be " + expected + ", got " +
+                              (word && !option.choices.empty() ? "'" + *word + "'" : kinds[value.index()]));
 }
 
 Options complete(const IntegratorEntry& entry, const Options& given) {
@@ -97,12 +198,30 @@ Registry<IntegratorEntry>& table() {
                [](const Options& options) {
                  return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")));
                }},
-          {.name = "HalfExplicitTrapezoidalOSI",
+          {.name = trapezoidal_name,
            .summary =
                "forecasting trapezoidal rule on velocity level (62)-(72), forces and impulses told apart",
-           .options = {activity_option},
+           .options = velocity_level_options,
            .properties = {.order_free = 2, .order_bilateral = 2, .order_sliding = 2, .forces_at_rest = true},
-           .make = make_trapezoidal},
+           .make =
+               [](const Options& options) {
+                 return make_on_velocity_level(trapezoidal_name, trapezoidal_tableau(), options);
+               },
+           .properties_with =
+               [](const Options& options) { return velocity_level_properties({2, 2}, options); }},
+          {.name = runge_kutta_name,
+           .summary = "explicit Runge-Kutta schemes of order 2 to 5 on velocity level (B.9)-(B.16), forces "
+                      "and impulses told apart",
+           .options = runge_kutta_options(),
+           .properties = {.order_free = 3, .order_bilateral = 3, .order_sliding = 3, .forces_at_rest = true},
+           .make =
+               [](const Options& options) {
+                 return make_on_velocity_level(runge_kutta_name, tableau_of(options), options);
+               },
+           .properties_with =
+               [](const Options& options) {
+                 return velocity_level_properties(order_of(tableau_of(options)), options);
+               }},
       });
   return registry;
 }
@@ -118,6 +237,12 @@ std::string load_integrator(const std::string& library_and_class) { return table
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options) {
   const IntegratorEntry& entry = table().find(name);
   return entry.make(complete(entry, options));
+}
+
+SchemeProperties integrator_properties(std::string_view name, const Options& options) {
+  const IntegratorEntry& entry = table().find(name);
+  const Options all = complete(entry, options);
+  return entry.properties_with ? entry.properties_with(all) : entry.properties;
 }
 
 }  // namespace saltus

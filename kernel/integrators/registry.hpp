@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "saltus/kernel/integrators/half_explicit/tableau.hpp"
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
 #include "saltus/numerics/plugin.hpp"
 
@@ -20,18 +21,20 @@ struct SchemeProperties {
   int order_free = 1;           ///< in q and v, free flight
   int order_bilateral = 1;      ///< under bilateral constraints
   int order_sliding = 1;        ///< in persistent sliding whose direction does not turn, as in the plane
+  bool impact_law = true;       ///< restitution by the law in every phase of a step
   bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
 };
 
-using OptionValue = std::variant<double, std::string>;
+using OptionValue = std::variant<double, std::string, Tableau>;
 using Options = std::map<std::string, OptionValue>;
 
-/// One option of a scheme: a number, or a word out of some.
+/// One option of a scheme: a number, or a word out of some, which can stand for a tableau.
 struct SchemeOption {
   std::string name;
   OptionValue standard;              ///< what it is if it is not given; its type is the option's
   std::vector<std::string> choices;  ///< of a word
   std::string meaning;
+  bool takes_tableau = false;  ///< instead of the word
 };
 
 /// One line of the table of integrators. Tests, Python and the command line iterate it.
@@ -41,6 +44,8 @@ struct IntegratorEntry {
   std::vector<SchemeOption> options;
   SchemeProperties properties;
   std::function<std::unique_ptr<OneStepIntegrator>(const Options&)> make;  ///< every option is given
+  /// What holds with other options than the standard ones, every option given; empty: the same.
+  std::function<SchemeProperties(const Options&)> properties_with = {};
 };
 
 const std::vector<IntegratorEntry>& integrators();
@@ -58,6 +63,9 @@ std::string load_integrator(const std::string& library_and_class);
 /// @param name  in the table, or "library:Class" of a plugin, which is loaded then
 /// @throws std::invalid_argument if there is no such integrator, option or choice, naming those there are
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options = {});
+
+/// What holds for a scheme with these options. @throws as make_integrator()
+SchemeProperties integrator_properties(std::string_view name, const Options& options = {});
 
 }  // namespace saltus
 

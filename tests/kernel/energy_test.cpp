@@ -54,7 +54,7 @@ TEST_P(Energy, WorksExplainTheKineticEnergyUpToTheOrderOfTheScheme) {
     bilateral.push_back(std::abs(unexplained(rows_of_run(make_pendulum(), *scheme, h, 0.5))));
   }
   EXPECT_TRUE(vanishes(dt, damped, properties.order_free));
-  EXPECT_TRUE(vanishes(dt, variable_mass, properties.order_free));
+  EXPECT_TRUE(vanishes(dt, variable_mass, std::min(2, properties.order_free)));  // that of ½ vᵀṀv
   EXPECT_TRUE(vanishes(dt, bilateral, properties.order_bilateral));
 }
 

@@ -165,7 +165,7 @@ TEST(AccelerationLevel, TheEngineIsSectionThreeUnderConstraints) {
 
 TEST(AppendixA, TheRegistryRunsTheTrapezoidalTableau) {
   const auto model = examples::make_slider_crank(Guidance::frictional);
-  const HalfExplicit engine("here", trapezoidal_tableau(), Level::velocity, Activity::start);
+  const HalfExplicit engine("here", trapezoidal_tableau(), HalfExplicitSettings{});
   EXPECT_EQ(engine.name(), "here");
   EXPECT_TRUE(same_bits(run_to(model, engine, 1e-4, 0.05).v,
                         run_to(model, *make_integrator(half_explicit), 1e-4, 0.05).v));

@@ -268,7 +268,7 @@ TEST(Refused, UnknownNamesInTheRegistry) {
   expect_refusal([] { make_integrator("HalfExplicitTrapezoidalOSI", {{"theta", "0.5"}}); },
                  {"HalfExplicitTrapezoidalOSI", "'theta'", "activity"});
   expect_refusal([] { make_integrator("HalfExplicitTrapezoidalOSI", {{"activity", "guessed"}}); },
-                 {"activity", "start, predicted", "'guessed'"});
+                 {"activity", "start, sticky, predicted", "'guessed'"});
   expect_refusal([] { make_integrator("ExplicitMoreauJeanOSI", {{"activity", "start"}}); },
                  {"'activity'", "none"});
 }

@@ -34,7 +34,7 @@ Tableau classic() {
 Tableau euler() { return appendix_b("Euler", Matrix::Ones(1, 1), vec({0.0})); }
 
 void expect_orders(const Tableau& tableau, int free, int bilateral, const std::vector<double>& dt) {
-  const HalfExplicit scheme("under test", tableau, Level::velocity, Activity::start);
+  const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
   const double until = 0.5;
   const Orders flight =
       measure_orders(make_double_pendulum(), scheme, exact_double_pendulum(until), until, dt);
@@ -56,7 +56,7 @@ TEST(Tableau, ClassicRungeKuttaHasOrderFourAndThreeUnderConstraints) {
 
 TEST(Tableau, SlidingWithFrictionKeepsTheOrder) {
   for (const auto& [tableau, order] : {std::pair(heun(), 2), std::pair(kutta(), 3)}) {
-    const HalfExplicit scheme("under test", tableau, Level::velocity, Activity::start);
+    const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     const Orders orders =
         measure_orders(make_bowl(0.3), scheme, exact_bowl(0.3, 0.25), 0.25, {6.25e-4, 3.125e-4, 1.5625e-4});
     EXPECT_GE(orders.q, order - 0.2) << tableau.name;
@@ -66,7 +66,7 @@ TEST(Tableau, SlidingWithFrictionKeepsTheOrder) {
 
 TEST(Tableau, EveryStageCarriesTheWeightAtRest) {
   for (const Tableau& tableau : {euler(), heun(), kutta(), classic()}) {
-    const HalfExplicit scheme("under test", tableau, Level::velocity, Activity::start);
+    const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     for (const Row& row : rows_of_run(make_ball(-1e-4, 0.0, 0.5), scheme, 1e-3, 0.05)) {
       if (row.state.t == 0.0) continue;
       EXPECT_NEAR(row.reactions.lambda_plus[0], 2.0 * gravity, 1e-9) << tableau.name;
@@ -79,7 +79,7 @@ TEST(Tableau, EveryStageCarriesTheWeightAtRest) {
 
 TEST(Tableau, TheImpactLawHoldsForEveryTableau) {
   for (const Tableau& tableau : {euler(), heun(), kutta(), classic()}) {
-    const HalfExplicit scheme("under test", tableau, Level::velocity, Activity::start);
+    const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     const State end = run_to(make_two_balls(1.0, 1.0, 2.0, -1.0, 0.5), scheme, 1e-3, 0.1);
     EXPECT_NEAR(end.v[1] - end.v[0], 1.5, 1e-13) << tableau.name;
   }
@@ -92,7 +92,7 @@ TEST(Tableau, RefusesWhatCannotWork) {
     Tableau t = heun();
     change(t);
     expect_refusal([&] { validate(t); }, words);
-    expect_refusal([&] { HalfExplicit("under test", t, Level::velocity, Activity::start); }, words);
+    expect_refusal([&] { HalfExplicit("under test", t, HalfExplicitSettings{}); }, words);
   };
   refused([](auto& t) { t.c.resize(0); }, {"Heun", "at least one stage"});
   refused([](auto& t) { t.Av = Matrix::Zero(3, 3); }, {"Heun", "(2, 2)", "got (3, 3)"});

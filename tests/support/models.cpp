@@ -155,12 +155,12 @@ namespace {
 constexpr double swing_mass = 2.0, swing_radius = 0.8, swing_start = 0.3, swing_rate = 3.0, bowl_depth = 1e-4;
 
 // Angle from below and its rate, on a circle of radius r, with friction that opposes the motion
-Vec swing(double r, double mu, double until) {
+Vec swing(double start, double r, double mu, double until) {
   auto f = [&](double, const Vec& y) {
     const double pressure = r * y[1] * y[1] + gravity * std::cos(y[0]);
     return vec({y[1], -(gravity * std::sin(y[0]) + mu * pressure * (y[1] > 0.0 ? 1.0 : -1.0)) / r});
   };
-  return integrate_ode(f, vec({swing_start, swing_rate}), until, 20000);
+  return integrate_ode(f, vec({start, swing_rate}), until, 20000);
 }
 
 Vec on_circle(double r, double angle) { return r * vec({std::sin(angle), -std::cos(angle)}); }
@@ -168,9 +168,9 @@ Vec along_circle(double r, double angle, double rate) {
   return r * rate * vec({std::cos(angle), std::sin(angle)});
 }
 
-NonSmoothDynamicalSystem make_on_circle(double r, NonSmoothLaw law) {
-  auto point = body(on_circle(r, swing_start), along_circle(r, swing_start, swing_rate),
-                    Vec::Constant(2, swing_mass), {.external_force = vec({0.0, -swing_mass * gravity})});
+NonSmoothDynamicalSystem make_on_circle(double start, double r, NonSmoothLaw law) {
+  auto point = body(on_circle(r, start), along_circle(r, start, swing_rate), Vec::Constant(2, swing_mass),
+                    {.external_force = vec({0.0, -swing_mass * gravity})});
   NonSmoothDynamicalSystem model({point});
   const int size = law.size();
   model.link(
@@ -179,27 +179,50 @@ NonSmoothDynamicalSystem make_on_circle(double r, NonSmoothLaw law) {
   return model;
 }
 
-State exact_on_circle(double r, double mu, double until) {
-  const Vec y = swing(r, mu, until);
+State exact_on_circle(double start, double r, double mu, double until) {
+  const Vec y = swing(start, r, mu, until);
   return {until, on_circle(r, y[0]), along_circle(r, y[0], y[1])};
 }
 
 }  // namespace
 
-NonSmoothDynamicalSystem make_pendulum() { return make_on_circle(swing_radius, EqualityConditionNSL(1)); }
+NonSmoothDynamicalSystem make_pendulum() {
+  return make_on_circle(swing_start, swing_radius, EqualityConditionNSL(1));
+}
 
-State exact_pendulum(double until) { return exact_on_circle(swing_radius, 0.0, until); }
+State exact_pendulum(double until) { return exact_on_circle(swing_start, swing_radius, 0.0, until); }
 
 double pendulum_tension(double t) {
-  const Vec y = swing(swing_radius, 0.0, t);
+  const Vec y = swing(swing_start, swing_radius, 0.0, t);
   return swing_mass * (swing_radius * y[1] * y[1] + gravity * std::cos(y[0]));
 }
 
 NonSmoothDynamicalSystem make_bowl(double mu) {
-  return make_on_circle(swing_radius + bowl_depth, NewtonImpactFrictionNSL(0.0, 0.0, mu, 2));
+  return make_on_circle(swing_start, swing_radius + bowl_depth, NewtonImpactFrictionNSL(0.0, 0.0, mu, 2));
 }
 
-State exact_bowl(double mu, double until) { return exact_on_circle(swing_radius + bowl_depth, mu, until); }
+State exact_bowl(double mu, double until) {
+  return exact_on_circle(swing_start, swing_radius + bowl_depth, mu, until);
+}
+
+NonSmoothDynamicalSystem make_touching_bowl(double mu, double restitution) {
+  return make_on_circle(0.0, swing_radius, NewtonImpactFrictionNSL(restitution, 0.0, mu, 2));
+}
+
+State exact_touching_bowl(double mu, double until) { return exact_on_circle(0.0, swing_radius, mu, until); }
+
+NonSmoothDynamicalSystem make_block_before_wall(double dt, double restitution) {
+  const double mass = 2.0, speed = 1.0;
+  auto block = body(vec({10.5 * dt * speed, 0.0}), vec({-speed, 0.0}), Vec::Constant(2, mass),
+                    {.external_force = vec({0.0, -mass * gravity})});
+  NonSmoothDynamicalSystem model({block});
+  const char* names[] = {"wall", "floor"};
+  for (int k : {0, 1})
+    model.link(
+        linear_contact(Matrix::Identity(2, 2).row(k), vec({0.0}), NewtonImpactNSL(restitution), names[k]),
+        *block);
+  return model;
+}
 
 examples::Guidance guidance_for(const std::string& scheme) {
   return scheme_entry(scheme).properties.friction ? examples::Guidance::frictional

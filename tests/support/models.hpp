@@ -74,6 +74,15 @@ double pendulum_tension(double t);
 NonSmoothDynamicalSystem make_bowl(double mu);
 State exact_bowl(double mu, double until);
 
+/// The same from the bottom and from g = 0 to the last bit, with restitution: whether the gap drifts open or
+/// shut is left to the scheme.
+NonSmoothDynamicalSystem make_touching_bowl(double mu, double restitution);
+State exact_touching_bowl(double mu, double until);
+
+/// Block of 2 kg, q = (gap of the wall, gap of the floor), that slides on the floor against a wall, without
+/// friction: it hits the wall after 10.5 steps of `dt`.
+NonSmoothDynamicalSystem make_block_before_wall(double dt, double restitution);
+
 /// How the slider is led in a model for this scheme: with friction if the scheme takes it.
 examples::Guidance guidance_for(const std::string& scheme);
 

@@ -1,5 +1,7 @@
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "saltus/numerics/text.hpp"
@@ -21,21 +23,26 @@ void require_acceleration_level(const std::string& scheme, const NonSmoothDynami
 
 }  // namespace
 
-HalfExplicit::HalfExplicit(std::string name, Tableau tableau, Level level, Activity activity)
-    : name_(std::move(name)), tableau_(std::move(tableau)), level_(level), activity_(activity) {
+HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettings settings)
+    : name_(std::move(name)), tableau_(std::move(tableau)), settings_(settings) {
   validate(tableau_);
+  if (settings_.stabilized && settings_.activity != Activity::sticky)
+    throw std::invalid_argument(name_ +
+                                ": positions can only be stabilised with sticky activity, without it a "
+                                "contact that is pulled to g = 0 opens by rounding");
   s_ = tableau_.stages() - 1;
+  ordered_ = std::is_sorted(tableau_.c.begin(), tableau_.c.end());
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
   for (int l = 1; l <= s_ + 1; ++l) {
-    explicit_[l] =
-        l == s_ + 1 || (level_ == Level::velocity && tableau_.Ac.row(l - 1) == tableau_.Aq.row(l - 1));
+    explicit_[l] = l == s_ + 1 ||
+                   (settings_.level == Level::velocity && tableau_.Ac.row(l - 1) == tableau_.Aq.row(l - 1));
     same_as_last_[l] = l > 1 && tableau_.Aq.row(l - 1) == tableau_.Aq.row(l - 2);
   }
 }
 
 void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
-  if (level_ == Level::acceleration) require_acceleration_level(name_, model);
+  if (settings_.level == Level::acceleration) require_acceleration_level(name_, model);
   layout_ = std::make_shared<Layout>(model);
   slot_.assign(1, 0);
   for (int l = 1; l <= s_ + 1; ++l) slot_.push_back(slot_.back() + (same_as_last_[l] ? 0 : 1));
@@ -49,7 +56,9 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
     for (Vec* x : {&stage.v, &stage.h, &stage.acceleration, &stage.reaction}) x->setZero(layout_->n);
     stage.lambda.setZero(layout_->rows);
   }
-  active_.reserve(layout_->contacts.size());
+  if (settings_.stabilized) projection_ = std::make_unique<PositionProjection>(layout_);
+  for (auto* contacts : {&start_, &active_}) contacts->reserve(layout_->contacts.size());
+  for (auto* flags : {&in_start_, &waits_}) flags->assign(layout_->contacts.size(), 0);
   q_.setZero(layout_->n);
   for (Vec* x : {&gamma_, &impulse_}) x->setZero(layout_->rows);
 }
@@ -58,23 +67,14 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   StepReport report;
   begin(state, reactions);
   if (!stage(0, state.t, dt, report)) return report;
+  find_waiting(dt);
   for (int l = 1; l <= s_; ++l)
     if (!row(l, dt, report) || !stage(l, state.t, dt, report)) return report;
-  if (!same_as_last_[s_ + 1]) {
-    position(tableau_.Aq, s_ + 1, dt);  // (64)
-    at(s_ + 1).move_to(q_);
-  }
-  if (!at(s_ + 1).factorise()) {
-    report.status = StepStatus::mass_not_positive_definite;
-    return report;
-  }
-  if (!at(s_ + 1).finite()) {
-    report.status = StepStatus::gap_not_finite;
-    return report;
-  }
+  if (!move_to_end(dt, report)) return report;
   report.impulsive = newly_closed();
-  const bool solved = report.impulsive ? impact(dt, report) : row(s_ + 1, dt, report);
-  if (!solved) return report;
+  const bool continues = !report.impulsive || settings_.impact == ImpactRule::keep_resting_forces;
+  if (continues && !row(s_ + 1, dt, report)) return report;
+  if (report.impulsive && !impact(dt, report)) return report;
   take_work(dt, report);
   commit(dt, state, reactions, report);
   return report;
@@ -82,10 +82,58 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
 
 void HalfExplicit::begin(const State& state, const Reactions& reactions) {
   if (at(0).q() != state.q) at(0).move_to(state.q);
+  start_.clear();
+  for (int k = 0; k < static_cast<int>(in_start_.size()); ++k) {
+    in_start_[k] = at(0).closed(k) || (settings_.activity == Activity::sticky && is_held(k, state));
+    if (in_start_[k]) start_.push_back(k);
+  }
   stages_[0].v = state.v;
   stages_[0].lambda = reactions.lambda_plus;
   stages_[s_].lambda = s_ > 0 ? reactions.lambda_minus : reactions.lambda_plus;
   impulse_.setZero();
+}
+
+// By memory; before the first step, if it is closed up to rounding and at rest in the normal direction.
+bool HalfExplicit::is_held(int contact, const State& state) {
+  if (!state.held.empty()) return state.held[contact];
+  const auto& slot = layout_->contacts[contact];
+  if (!(at(0).gaps()[slot.gap] <= at(0).gap_tolerance(contact, 0))) return false;
+  at(0).relative_velocity(contact, state.v, gamma_.data() + slot.row);
+  return std::abs(gamma_[slot.row]) <= at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
+}
+
+// Contacts that open at the start of the step, where stages do not follow each other in time: these cannot
+// tell when such a contact comes back, their multipliers would throw it up again by a part of h Δt.
+void HalfExplicit::find_waiting(double dt) {
+  if (ordered_) return;
+  const Stage& first = stages_[0];
+  for (int k : start_) {
+    const auto& contact = layout_->contacts[k];
+    at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
+    const double zero = 10.0 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
+    waits_[k] = !contact.law->bilateral && gamma_[contact.row] > zero;
+  }
+}
+
+// q_i with M, W and gaps, (64), pulled back to the constraints where no impact follows
+bool HalfExplicit::move_to_end(double dt, StepReport& report) {
+  Configuration& end = at(s_ + 1);
+  if (!same_as_last_[s_ + 1]) {
+    position(tableau_.Aq, s_ + 1, dt);
+    end.move_to(q_);
+  }
+  if (settings_.stabilized && end.finite() && !newly_closed()) {
+    active_.clear();  // those on which the multiplier before the last presses, λ_{s-1}
+    const Vec& lambda = stages_[s_ > 0 ? s_ - 1 : 0].lambda;
+    for (int k : start_) {
+      const auto& contact = layout_->contacts[k];
+      if (contact.law->bilateral || lambda[contact.row] > 0.0) active_.push_back(k);
+    }
+    projection_->pull(active_, end, at(s_));  // M of the last stage: it is close, and factorised
+  }
+  if (!end.finite()) report.status = StepStatus::gap_not_finite;
+  if (!end.factorise()) report.status = StepStatus::mass_not_positive_definite;
+  return report.status == StepStatus::ok;
 }
 
 // q_ <- q_0 + Δt Σ_k A_lk v_k
@@ -122,7 +170,7 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
   }
   add_scaled(weight, force.acceleration, next.v);
 
-  if (level_ == Level::velocity)
+  if (settings_.level == Level::velocity)
     constrain_velocity(l, dt);
   else
     constrain_acceleration(l, dt);
@@ -131,7 +179,9 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
     force.lambda.setZero();
   } else {
     ContactAssembly& assembly = contacts_->assembly();
-    assembly.gather(force.lambda, weight, contacts_->P());
+    // Warm start: the first and the last multiplier from the step before, the others from the row before.
+    const bool inner = l > 1 && l <= s_;
+    assembly.gather(inner ? stages_[l - 2].lambda : force.lambda, weight, contacts_->P());
     if (!contacts_->solve(report)) return false;
     force.lambda.setZero();
     assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
@@ -149,20 +199,33 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
 
 // W at the row's own position, or at a prediction of it where that needs the velocity first, (69), (71)
 void HalfExplicit::constrain_velocity(int l, double dt) {
+  const bool predicts = settings_.activity == Activity::predicted;
   // A constant W needs no prediction, where the activity needs none either.
-  const bool foreseen = !explicit_[l] && !layout_->varying_jacobian && activity_ == Activity::start;
+  const bool foreseen = !explicit_[l] && !layout_->varying_jacobian && !predicts;
   Configuration& constraint = explicit_[l] ? at(l) : foreseen ? at(0) : *predicted_;
   if (l <= s_ && !foreseen && !(explicit_[l] && same_as_last_[l])) {
     position(tableau_.Ac, l, dt);
-    if (explicit_[l] || activity_ == Activity::predicted)
+    if (explicit_[l] || predicts)
       constraint.move_to(q_);
     else
       constraint.move_without_gaps(q_);
   }
-  choose_closed(l > s_ ? at(l) : activity_ == Activity::predicted ? constraint : at(0));
+  choose_active(l, constraint);
   if (active_.empty()) return;
   contacts_->assembly().assemble(active_, constraint, at(l - 1), at(l - 1));
   contacts_->assembly().set_b(constraint, stages_[l].v);
+}
+
+// The contacts on which λ_{l-1} acts, S1 of (51): C_i, or those closed at the row's position
+void HalfExplicit::choose_active(int l, const Configuration& constraint) {
+  if (l <= s_ && settings_.activity == Activity::predicted) {
+    active_.assign(constraint.closed_contacts().begin(), constraint.closed_contacts().end());
+    return;
+  }
+  active_.clear();
+  const bool sticky = settings_.activity == Activity::sticky;
+  for (int k : start_)
+    if (l <= s_ ? !waits_[k] : sticky || constraint.closed(k)) active_.push_back(k);
 }
 
 // g̈ at the stage of the multiplier, times the time that it acts: (40), (49)-(50)
@@ -173,11 +236,6 @@ void HalfExplicit::constrain_acceleration(int l, double dt) {
   contacts_->assembly().assemble(active_, at(l - 1), at(l - 1), at(l - 1));
   contacts_->assembly().set_b_of_acceleration(at(l - 1), stage.v, stage.acceleration,
                                               dt * tableau_.Av(l - 1, l - 1));
-}
-
-// Contacts with g <= 0 and the bilateral ones, S1 of (51)
-void HalfExplicit::choose_closed(const Configuration& at) {
-  active_.assign(at.closed_contacts().begin(), at.closed_contacts().end());
 }
 
 // Closed contacts that do not open, S2 of (52); the solver's tolerance must not tell those at rest apart
@@ -193,19 +251,33 @@ void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double 
 
 bool HalfExplicit::newly_closed() {
   for (int k : at(s_ + 1).closed_contacts())
-    if (!at(0).closed(k)) return true;
+    if (!in_start_[k]) return true;
   return false;
 }
 
-// The impact law on all closed contacts, from a velocity without any λ: (55)-(59), (A.11)-(A.13)
+// Does the impact act on this contact? It is closed, or held and pressed.
+bool HalfExplicit::impacts(int contact) {
+  if (at(s_ + 1).closed(contact)) return true;
+  if (settings_.activity != Activity::sticky || !in_start_[contact]) return false;
+  const bool known = settings_.impact == ImpactRule::keep_resting_forces || s_ == 0;
+  return stages_[known ? s_ : s_ - 1].lambda[layout_->contacts[contact].row] > 0.0;
+}
+
+// The impact law on all closed contacts, (56)-(59), (A.11)-(A.13)
 bool HalfExplicit::impact(double dt, StepReport& report) {
   Configuration& end = at(s_ + 1);
   Vec& v = stages_[s_ + 1].v;
-  v = stages_[0].v;
-  for (int k = 0; k <= s_; ++k) add_scaled(dt * tableau_.Av(s_, k), stages_[k].acceleration, v);  // (55)
-  for (Stage& stage : stages_) stage.lambda.setZero();
-
-  choose_closed(end);
+  active_.clear();
+  for (int k = 0; k < static_cast<int>(in_start_.size()); ++k)
+    if (impacts(k)) active_.push_back(k);
+  if (settings_.impact == ImpactRule::paper) {
+    v = stages_[0].v;
+    for (int k = 0; k <= s_; ++k) add_scaled(dt * tableau_.Av(s_, k), stages_[k].acceleration, v);  // (55)
+    for (Stage& stage : stages_) {
+      stage.lambda.setZero();
+      stage.loaded = false;
+    }
+  }
   ContactAssembly& assembly = contacts_->assembly();
   assembly.assemble(active_, end, end, end);
   assembly.set_b(end, v);
@@ -220,13 +292,31 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   return true;
 }
 
+// Contacts that the next step finds closed whatever their gap: pressed by the last multiplier, or not
+// separated by the impact
+void HalfExplicit::hold(double dt, bool impulsive, std::vector<unsigned char>& held) {
+  held.assign(in_start_.size(), 0);
+  Configuration& end = at(s_ + 1);
+  for (int k : active_) {
+    const int row = layout_->contacts[k].row;
+    if (impulsive) {
+      end.relative_velocity(k, stages_[s_ + 1].v, gamma_.data() + row);
+      // v_s is about v⁻: the terms that cancel in v⁺
+      held[k] =
+          std::abs(gamma_[row]) <= end.velocity_tolerance(k, stages_[s_].v, stages_[s_].acceleration, dt);
+    } else {
+      held[k] = stages_[s_].lambda[row] > 0.0;
+    }
+  }
+}
+
 void HalfExplicit::take_work(double dt, StepReport& report) {
   if (!report.impulsive)
     report.work_forces = inertia_work(at(0), at(s_ + 1), stages_[0].v, stages_[s_ + 1].v);
   for (int k = 0; k <= s_; ++k) {
     const double weight = dt * tableau_.Av(s_, k);
     report.work_forces += weight * dot(stages_[k].h, stages_[k].v);
-    if (!report.impulsive && stages_[k].loaded) report.work_lambda += weight * lambda_power(k);
+    if (stages_[k].loaded) report.work_lambda += weight * lambda_power(k);
   }
 }
 
@@ -253,6 +343,9 @@ void HalfExplicit::commit(double dt, State& state, Reactions& reactions, StepRep
   report.closed = static_cast<int>(active_.size());
   report.penetration = end.penetration();
   report.kinetic_energy = end.kinetic_energy(stages_[s_ + 1].v);
+  if (settings_.activity == Activity::sticky) hold(dt, report.impulsive, state.held);
+  reactions.force.setZero();
+  for (int k = 0; k <= s_; ++k) add_scaled(tableau_.Av(s_, k), stages_[k].lambda, reactions.force);
   state.t += dt;
   state.q = end.q();
   state.v.swap(stages_[s_ + 1].v);

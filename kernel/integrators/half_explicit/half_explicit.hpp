@@ -3,15 +3,19 @@
 #include <string>
 #include <vector>
 
+#include "saltus/kernel/assembly/position_projection.hpp"
 #include "saltus/kernel/integrators/contact_stage.hpp"
 #include "saltus/kernel/integrators/half_explicit/tableau.hpp"
 
 namespace saltus {
 
-/// Which contacts carry stage multipliers.
+/// Which contacts carry multipliers, C_i.
 enum class Activity {
-  start,      ///< closed at the start of the step, (69)
-  predicted,  ///< closed at the predicted position, (77): corrupts impacts, kept to show it
+  start,      ///< closed at the start of the step, (69); the last multiplier of those still closed at its end
+  predicted,  ///< closed at the predicted position, (77), (B.11): corrupts impacts, kept to show it
+  /// closed at the start, or held: a contact is held as long as its last multiplier presses, and if an impact
+  /// does not separate it. A gap that drifts open by rounding then costs no force and no order.
+  sticky,
 };
 
 /// Where the multipliers of the stages put the constraint right.
@@ -21,19 +25,32 @@ enum class Level {
                  ///< open, (52); without friction
 };
 
+/// The velocity v⁻ before an impact.
+enum class ImpactRule {
+  paper,  ///< without any λ, (55): bodies at rest elsewhere arrive with h Δt and bounce by ε of it
+  keep_resting_forces,  ///< with λ of the contacts that were closed before: they stay at rest
+};
+
+struct HalfExplicitSettings {
+  Level level = Level::velocity;
+  Activity activity = Activity::start;
+  ImpactRule impact = ImpactRule::paper;
+  bool stabilized = false;  ///< pulls positions back to the constraints, PositionProjection; sticky only
+};
+
 /// All half-explicit schemes: one row after the other, each an explicit stage with a multiplier that keeps
 /// the constraint; then the impact, if a contact has newly closed.
 class HalfExplicit final : public OneStepIntegrator {
  public:
   /// @param name  in the registry
-  /// @throws std::invalid_argument if the tableau is refused
-  HalfExplicit(std::string name, Tableau tableau, Level level, Activity activity);
+  /// @throws std::invalid_argument if the tableau or a combination of settings is refused
+  HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettings settings);
 
   std::string name() const override { return name_; }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
   std::unique_ptr<OneStepIntegrator> clone() const override {
-    return std::make_unique<HalfExplicit>(name_, tableau_, level_, activity_);
+    return std::make_unique<HalfExplicit>(name_, tableau_, settings_);
   }
 
  private:
@@ -47,15 +64,20 @@ class HalfExplicit final : public OneStepIntegrator {
   };
 
   void begin(const State& state, const Reactions& reactions);
+  void find_waiting(double dt);
+  bool is_held(int contact, const State& state);
   bool row(int l, double dt, StepReport& report);
   void constrain_velocity(int l, double dt);
   void constrain_acceleration(int l, double dt);
   bool stage(int l, double t, double dt, StepReport& report);
+  bool move_to_end(double dt, StepReport& report);
   bool impact(double dt, StepReport& report);
   void position(const Matrix& A, int l, double dt);
-  void choose_closed(const Configuration& at);
+  void choose_active(int l, const Configuration& constraint);
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
+  bool impacts(int contact);
+  void hold(double dt, bool impulsive, std::vector<unsigned char>& held);
   void take_work(double dt, StepReport& report);
   double lambda_power(int k);
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
@@ -63,9 +85,9 @@ class HalfExplicit final : public OneStepIntegrator {
 
   std::string name_;
   Tableau tableau_;
-  Level level_;
-  Activity activity_;
+  HalfExplicitSettings settings_;
   int s_;                           // rows 1..s_, output s_+1
+  bool ordered_;                    // the stages follow each other in time
   std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
   std::vector<char> same_as_last_;  // per row: its position is that of the row before
 
@@ -75,7 +97,11 @@ class HalfExplicit final : public OneStepIntegrator {
   std::unique_ptr<Configuration> predicted_;
   std::unique_ptr<ContactStage> contacts_;
   std::vector<Stage> stages_;  // 0..s_+1
-  std::vector<int> active_;
+  std::unique_ptr<PositionProjection> projection_;
+  std::vector<int> start_;               // C_i
+  std::vector<unsigned char> in_start_;  // the same as flags
+  std::vector<unsigned char> waits_;     // contacts on which only the last multiplier acts
+  std::vector<int> active_;              // of the contact problem at hand
   Vec q_, gamma_, impulse_;
 };
 

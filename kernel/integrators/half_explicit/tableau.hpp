@@ -22,6 +22,20 @@ struct Tableau {
 /// The forecasting trapezoidal rule on velocity level (62)-(68), the same as (A.1)-(A.10).
 Tableau trapezoidal_tableau();
 
+/// An explicit Runge-Kutta scheme (B.9)-(B.16): Ac = Av = Aq.
+Tableau runge_kutta(std::string name, const Matrix& A, const Vec& b);
+Tableau heun_tableau();
+Tableau third_order_tableau();
+Tableau kutta3_tableau();
+Tableau rk4_tableau();
+Tableau hem5_tableau();
+
+struct TableauOrder {
+  int free = 0;
+  int constrained = 0;
+};
+TableauOrder order_of(const Tableau& tableau);
+
 /// @throws std::invalid_argument if shapes disagree, a row does not sum up to c_l (the output to 1), it
 ///         uses a stage that comes after it, or Av_{l,l-1} <= 0: complementarity would change its sign
 void validate(const Tableau& tableau);

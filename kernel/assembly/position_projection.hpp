@@ -1,0 +1,35 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "saltus/kernel/assembly/contact_assembly.hpp"
+#include "saltus/numerics/linear/dense_solve.hpp"
+
+namespace saltus {
+
+/// Pulls positions back onto constraints from which they have drifted, along the shortest way in the metric
+/// of the mass:  q <- q + M⁻¹ W (Wᵀ M⁻¹ W)⁺ (−g),  Newton's iteration. Bilateral constraints are pulled to
+/// g = 0, unilateral contacts only if they are open: a penetration is what keeps a contact closed, and
+/// pulling it out would move the error with which the contact was met.
+class PositionProjection {
+ public:
+  explicit PositionProjection(const std::shared_ptr<const Layout>& layout);
+
+  /// @param held     contacts that may be pulled, in ascending order
+  /// @param at       moved to the new position
+  /// @param inverse  of M, which is not taken anew while the position moves
+  void pull(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse);
+
+ private:
+  void aim_below_zero(Configuration& at);
+  double take_violated(const std::vector<int>& held, Configuration& at);
+
+  std::shared_ptr<const Layout> layout_, gap_rows_;
+  ContactAssembly assembly_;  // of the rows of gaps
+  DenseSolve dense_;
+  std::vector<int> violated_;
+  std::vector<unsigned char> pulled_;  // contacts, once they were violated
+  Vec q_;
+};
+
+}  // namespace saltus
