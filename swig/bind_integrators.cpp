@@ -17,6 +17,7 @@ py::dict to_dict(const SchemeProperties& properties) {
   all["order_bilateral"] = properties.order_bilateral;
   all["order_sliding"] = properties.order_sliding;
   all["forces_at_rest"] = properties.forces_at_rest;
+  all["impact_law"] = properties.impact_law;
   return all;
 }
 
@@ -37,6 +38,7 @@ SchemeProperties to_properties(const py::dict& given) {
   properties.order_bilateral = known["order_bilateral"].cast<int>();
   properties.order_sliding = known["order_sliding"].cast<int>();
   properties.forces_at_rest = known["forces_at_rest"].cast<bool>();
+  properties.impact_law = known["impact_law"].cast<bool>();
   return properties;
 }
 
