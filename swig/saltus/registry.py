@@ -12,6 +12,7 @@ import importlib
 import importlib.util
 import inspect
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -76,13 +77,36 @@ def make_integrator(spec: str) -> OneStepIntegrator:
         If there is none of that name, no such option or choice, or the options are not ``name=value, ...``
         with numbers and words.
     """
+    name, options = _parse(spec)
+    return integrator(name)(**options)
+
+
+def properties(spec: str) -> dict[str, Any]:
+    """What holds for an integrator with its options, `spec` as in `make_integrator`: see `integrators`.
+
+    Raises ValueError as `make_integrator` does.
+    """
+    scheme = make_integrator(spec)
+    return _properties(scheme.name, scheme.options)
+
+
+def _properties(name: str, options: Mapping[str, float | str]) -> dict[str, Any]:
+    claims = dict(next(entry["properties"] for entry in integrators() if entry["name"] == name))
+    if name == "MoreauJeanOSI" and options["theta"] != 0.5:
+        claims["order_free"] = 1
+    if options.get("activity") == "predicted":
+        claims["impact_law"] = False
+    return claims
+
+
+def _parse(spec: str) -> tuple[str, dict[str, float | str]]:
     name, bracket, rest = spec.strip().partition("(")
     if not bracket:
-        return integrator(name)()
+        return name, {}
     options = _options(rest.removesuffix(")")) if rest.endswith(")") else None
     if options is None:
         raise ValueError(f"expected an integrator as NAME or NAME(option=value, ...), got '{spec}'")
-    return integrator(name)(**options)
+    return name, options
 
 
 def split_specs(text: str) -> list[str]:

@@ -8,7 +8,7 @@ import pytest
 import saltus.kernel as sk
 from saltus import models
 from saltus.compare import compare, converge
-from saltus.conformance import DoublePendulum
+from saltus.conformance.models import DoublePendulum
 from saltus.examples.bouncing_ball import bouncing_ball
 
 ROOT = Path(__file__).resolve().parents[2]

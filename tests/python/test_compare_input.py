@@ -89,7 +89,7 @@ def test_integrators_with_options():
         ("MoreauJeanOSI(theta=big)", "theta must be a number"),
         ("MoreauJeanOSI(size=1)", "has no option 'size'"),
         ("NoSuchOSI(x=1)", "no integrator named 'NoSuchOSI'"),
-        ("saltus.conformance:DoublePendulum", "derived from OneStepIntegrator"),
+        ("saltus.conformance.models:DoublePendulum", "derived from OneStepIntegrator"),
     ],
 )
 def test_specs_that_are_refused(spec, message):

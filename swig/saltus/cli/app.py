@@ -197,27 +197,23 @@ def conformance(
         list[str] | None,
         typer.Argument(
             metavar="[INTEGRATOR]...",
-            help="Names, library:Class or file.py:Class; all registered if none is given.",
+            help="NAME, NAME(option=value), library:Class or file.py:Class; all registered if none is given.",
         ),
     ] = None,
+    cost: Annotated[
+        bool, typer.Option("--cost", help="Time a step as well, as `saltus bench` does.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:
-    """Measure whether integrators keep what their line in the table says; exit status 1 if one does not,
-    2 if there is none of that name.
-    """
-    from saltus import kernel
-    from saltus.conformance import findings
+    """Measure whether integrators keep what their line in the table says, and figures to choose them by.
 
-    console = Console(soft_wrap=True)
-    broken = 0
-    for name in integrators or [entry["name"] for entry in kernel.integrators()]:
-        console.print(name, style="bold", markup=False)
-        with _misuse():
-            for finding in findings(name):
-                console.print(
-                    str(finding), highlight=False, markup=False, style=None if finding.ok else "red"
-                )
-                broken += not finding.ok
-    raise typer.Exit(code=1 if broken else 0)
+    Exit status 0 if they do, 1 if one does not, 2 if there is none of that name.
+    """
+    from saltus.cli.conformance import run
+
+    with _misuse():
+        ok = run(integrators or [], cost=cost, as_json=json)
+    raise typer.Exit(code=0 if ok else 1)
 
 
 def main() -> None:

@@ -53,7 +53,7 @@ def run(names: Sequence[str], schemes: Sequence[str], as_json: bool) -> None:
     for name in names:
         if name not in MODELS and name != FUNCTIONS:
             raise ValueError(f"no model named '{name}', there are {', '.join((*MODELS, FUNCTIONS))}")
-    chosen = [registry.integrator(scheme).name for scheme in schemes]
+    chosen = [_label(scheme) for scheme in schemes]
     results: list[Result] = []
     skipped: list[Skipped] = []
     calls: dict[str, float] = {}
@@ -81,6 +81,12 @@ def run(names: Sequence[str], schemes: Sequence[str], as_json: bool) -> None:
         print_calls(calls)
 
 
+def _label(spec: str) -> str:
+    """What stands in the table: the registered name, or name and options as they were given."""
+    name = registry.make_integrator(spec).name
+    return spec if "(" in spec else name
+
+
 def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: list[Skipped]) -> None:
     """Median time of a step: the loop alone, with the report of each step, nothing recorded.
 
@@ -90,7 +96,7 @@ def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: l
     loops: dict[str, Callable[[], float]] = {}
     for scheme in schemes:
         try:
-            _core.TimeSteppingBase(model.build(), registry.integrator(scheme)(), model.time_step, "auto")
+            _core.TimeSteppingBase(model.build(), registry.make_integrator(scheme), model.time_step, "auto")
         except ValueError as error:
             skipped.append(Skipped(name, scheme, str(error)))
             continue
@@ -109,7 +115,9 @@ def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: l
 
 def time_loop(model: Example, scheme: str) -> float:
     """Seconds of one run, its preparation excluded."""
-    simulation = _core.TimeSteppingBase(model.build(), registry.integrator(scheme)(), model.time_step, "auto")
+    simulation = _core.TimeSteppingBase(
+        model.build(), registry.make_integrator(scheme), model.time_step, "auto"
+    )
     start = time.perf_counter()
     simulation.advance(model.until, None)
     return time.perf_counter() - start

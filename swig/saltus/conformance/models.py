@@ -1,161 +1,84 @@
-"""Measure whether an integrator does what its line in the table says.
-
-Orders in free motion, under a bilateral constraint and in sliding friction, from slopes over several Δt
-against independent solutions; Newton's impact law; a ball at rest; equal runs to the last bit; refusal of
-friction where it is not taken. For integrators of the library, of plugins and of Python classes alike:
-``saltus conformance NAME``.
-"""
+"""Models whose motion is known, by an ordinary differential equation or a formula."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from math import cos, hypot, sin, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 import saltus.kernel as sk
-from saltus import registry
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
 GRAVITY = 9.81  # [m/s²]
-SLACK = 0.2  # of an order below its claim
 RADIUS, START, RATE = 0.8, 0.3, 3.0  # swing: [m], [rad], [rad/s]
 MU = 0.3
+SLEDGE = [0.3, 0.0, 1.0, 2.0]  # x, y [m], their rates [m/s]
+SPRINGS = [20.0, 60.0]  # along x and y [N/m]
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One property of an integrator: what is measured, and what was expected."""
-
-    quantity: str
-    measured: float
-    expected: str
-    ok: bool
-
-    def __str__(self) -> str:
-        verdict = "ok " if self.ok else "BAD"
-        return f"{verdict}  {self.quantity:<44} {self.measured:10.3g}  expected {self.expected}"
-
-
-def check(name: str) -> list[Finding]:
-    """Measure an integrator with its default options.
-
-    Parameters
-    ----------
-    name : as in ``saltus.registry``
-
-    Raises
-    ------
-    ValueError
-        If there is no such integrator.
-    """
-    return list(findings(name))
-
-
-def findings(name: str) -> Iterator[Finding]:
-    """The findings one after the other, as they are measured."""
-    make = registry.integrator(name)
-    entry = next(e for e in sk.integrators() if e["name"] == make.name)
-    claims: dict[str, Any] = entry["properties"]
-    yield from orders(
-        "free motion", claims["order_free"], make, double_pendulum, exact_double_pendulum(0.5), 0.5
-    )
-    yield from orders(
-        "bilateral constraint", claims["order_bilateral"], make, pendulum, exact_swing(0.0, 0.25), 0.25
-    )
-    if claims["friction"]:
-        yield from orders("sliding", claims["order_sliding"], make, bowl, exact_swing(MU, 0.25), 0.25)
-    else:
-        yield refusal(make)
-    yield impact_law(make)
-    yield from rest(make, forces=claims["forces_at_rest"])
-    yield repeats(make)
-
-
-# ---- The measurements
-
-
-def orders(
-    what: str,
-    claim: int,
-    make: Callable[[], sk.OneStepIntegrator],
-    build: Callable[[], sk.NonSmoothDynamicalSystem],
-    exact: tuple[FloatArray, FloatArray],
-    until: float,
-) -> Iterator[Finding]:
-    """Slopes of the errors in q and v at the end of a run."""
-    steps = until / np.array([125, 250, 500, 1000])
-    errors = []
-    for dt in steps:
-        run = sk.TimeStepping(build(), make(), dt).run(until)
-        errors.append((np.linalg.norm(run.q[-1] - exact[0]), np.linalg.norm(run.v[-1] - exact[1])))
-    for symbol, column in zip("qv", np.array(errors).T, strict=True):
-        slope = float(np.polyfit(np.log(steps), np.log(np.maximum(column, 1e-300)), 1)[0])
-        yield Finding(f"order of {symbol}, {what}", slope, f">= {claim - SLACK:.1f}", slope >= claim - SLACK)
-
-
-def refusal(make: Callable[[], sk.OneStepIntegrator]) -> Finding:
-    """Friction must be refused with ValueError."""
-    try:
-        sk.TimeStepping(bowl(), make(), 1e-3)
-    except ValueError as error:
-        return Finding("friction refused by name", 1.0, "1", "friction" in str(error))
-    return Finding("friction refused by name", 0.0, "1", False)
-
-
-def impact_law(make: Callable[[], sk.OneStepIntegrator]) -> Finding:
-    """|v⁺/v⁻ + ε| of the first impact, v⁻ being the speed of the fall; steps make an error of a few g Δt."""
-    restitution, dt, height = 0.6, 1e-4, 0.2
-    run = sk.TimeStepping(ball(height, restitution), make(), dt).run(0.3)
-    after = run.v[np.flatnonzero(run.impulsive)[0], 0]
-    fall = sqrt(2 * GRAVITY * height)
-    bound = 3 * GRAVITY * dt / fall
-    error = abs(after / fall - restitution)
-    return Finding("restitution 0.6: deviation", error, f"<= {bound:.1e}", error <= bound)
-
-
-def rest(make: Callable[[], sk.OneStepIntegrator], *, forces: bool) -> Iterator[Finding]:
-    """What carries a plastic ball after it has fallen, and whether it still moves."""
-    dt = 1e-3
-    run = sk.TimeStepping(ball(0.05, 0.0), make(), dt).run(0.5)
-    floor, weight = run["floor"], GRAVITY
-    speed = abs(run.v[-1, 0])
-    yield Finding("ball at rest: speed", speed, "<= 1e-9", speed <= 1e-9)
-    force, impulse = floor.force[-1, 0], floor.impulse[-1, 0]
-    error = max(abs(force - weight), abs(impulse)) if forces else max(abs(force), abs(impulse - weight * dt))
-    what = "λ = m g, Λ = 0" if forces else "λ = 0, Λ = m g Δt"
-    yield Finding(f"ball at rest: deviation from {what}", error, "<= 1e-9", error <= 1e-9)
-
-
-def repeats(make: Callable[[], sk.OneStepIntegrator]) -> Finding:
-    """Two runs at the same time, step by step in turn, and one alone: to the last bit."""
-    scheme = make()
-    one, two = (sk.TimeStepping(ball(0.05, 0.5), scheme, 1e-3) for _ in range(2))
-    for _ in range(300):
-        one.step()
-        two.step()
-    alone = sk.TimeStepping(ball(0.05, 0.5), make(), 1e-3).run(0.3)
-    runs = (one.trajectory, two.trajectory)
-    same = all(np.array_equal(run.q, alone.q) and np.array_equal(run.v, alone.v) for run in runs)
-    return Finding("equal runs to the last bit", float(same), "1", same)
-
-
-# ---- Models whose motion is known
-
-
-def ball(height: float, restitution: float) -> sk.NonSmoothDynamicalSystem:
+def ball(height: float, restitution: float, velocity: float = 0.0) -> sk.NonSmoothDynamicalSystem:
     """A ball of 1 kg over a floor."""
-    body = sk.LagrangianLinearTIDS([height], [0.0], [[1.0]], external_force=[-GRAVITY])
+    body = sk.LagrangianLinearTIDS([height], [velocity], [[1.0]], external_force=[-GRAVITY])
     system = sk.NonSmoothDynamicalSystem([body])
     system.link(
         sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), sk.NewtonImpactNSL(restitution), name="floor"), body
     )
     return system
+
+
+def exact_ball(height: float, restitution: float, until: float) -> float:
+    """Its height between the first and the second impact."""
+    fall = sqrt(2 * height / GRAVITY)
+    flight = until - fall
+    return restitution * GRAVITY * fall * flight - 0.5 * GRAVITY * flight**2
+
+
+def oscillator(q: float, v: float) -> sk.NonSmoothDynamicalSystem:
+    """q̈ = −q."""
+    return sk.NonSmoothDynamicalSystem([sk.LagrangianLinearTIDS([q], [v], [[1.0]], [[1.0]])])
+
+
+def block_at_a_wall(restitution: float) -> sk.NonSmoothDynamicalSystem:
+    """A block that slides on a floor without friction, q = (x, z), and meets a wall after 10.5 ms."""
+    block = sk.LagrangianLinearTIDS([0.0, -1e-4], [1.0, 0.0], np.eye(2), external_force=[0.0, -GRAVITY])
+    system = sk.NonSmoothDynamicalSystem([block])
+    for name, row, offset in (("floor", [0.0, 1.0], 0.0), ("wall", [-1.0, 0.0], 0.0105)):
+        relation = sk.LagrangianLinearTIR([row], [offset])
+        system.link(sk.Interaction(relation, sk.NewtonImpactNSL(restitution), name=name), block)
+    return system
+
+
+def sledge() -> sk.NonSmoothDynamicalSystem:
+    """A point of 2 kg that slides on the plane z = 0, q = (x, y, z); springs turn it off its line."""
+    body = sk.LagrangianLinearTIDS(
+        [*SLEDGE[:2], -1e-4],
+        [*SLEDGE[2:], 0.0],
+        2 * np.eye(3),
+        np.diag([*SPRINGS, 0.0]),
+        external_force=[0.0, 0.0, -2 * GRAVITY],
+    )
+    system = sk.NonSmoothDynamicalSystem([body])
+    relation = sk.LagrangianLinearTIR([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    law = sk.NewtonImpactFrictionNSL(0.0, 0.0, MU, 3)
+    system.link(sk.Interaction(relation, law, name="plane"), body)
+    return system
+
+
+def exact_sledge(until: float) -> tuple[FloatArray, FloatArray]:
+    """Its q and v while it slides."""
+
+    def rates(t: float, y: FloatArray) -> list[float]:
+        speed = hypot(y[2], y[3])
+        slow = [-k * x / 2 - MU * GRAVITY * v / speed for k, x, v in zip(SPRINGS, y[:2], y[2:], strict=True)]
+        return [y[2], y[3], *slow]
+
+    y = _integrate(rates, SLEDGE, until)
+    return np.append(y[:2], -1e-4), np.append(y[2:], 0.0)
 
 
 class DoublePendulum(sk.LagrangianDS):
