@@ -1,20 +1,34 @@
 """What README and documentation show runs as it stands, and what the guides name exists."""
 
+import math
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+import saltus.kernel as sk
 import typer
 from saltus.cli.app import app
+from saltus.conformance.measure import stability_limit
+from typer.testing import CliRunner
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCKS = [
     pytest.param(block, id=f"{page.name}-{number}")
     for page in PAGES
     for number, block in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(), flags=re.DOTALL))
     if "hopper" not in block  # tested below
 ]
+CONSOLES = [
+    pytest.param(block, id=f"{page.stem}-{number}")
+    for page in PAGES
+    for number, block in enumerate(re.findall(r"```console\n(.*?)```", page.read_text(), flags=re.DOTALL))
+]
+
+
+# Now: while tests run, schemes of their own join the table, and those need no page.
+SCHEMES = {entry["name"]: entry["properties"] for entry in sk.integrators()}
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -25,6 +39,59 @@ def test_python_blocks_run(block, tmp_path, monkeypatch):
 
 def test_there_are_blocks():
     assert len(BLOCKS) >= 3
+    assert len(CONSOLES) >= 6
+
+
+def number(word):
+    try:
+        return float(word)
+    except ValueError:
+        return None
+
+
+def says(line, quoted):
+    """Is it the line that is quoted? Numbers within 2 %, times whatever they are; … stands for any word."""
+    words, expected = line.split(), quoted.split()
+    if len(words) != len(expected):
+        return False
+    for word, meant in zip(words, expected, strict=True):
+        found, value = number(word), number(meant)
+        if value is None or found is None:
+            if meant not in (word, "…"):
+                return False
+        elif "µs" not in quoted and not math.isclose(found, value, rel_tol=0.02, abs_tol=1e-12):
+            return False
+    return True
+
+
+@pytest.mark.parametrize("block", CONSOLES)
+def test_commands_print_what_the_pages_quote(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command, *lines = block.splitlines()
+    result = CliRunner().invoke(app, shlex.split(command.removeprefix("$ saltus ")))
+    assert result.exit_code == 0, result.output
+    printed = result.stdout.splitlines()
+    assert [line for line in lines if not any(says(line_, line) for line_ in printed)] == []
+
+
+def test_the_table_of_schemes_is_that_of_the_registry():
+    text = (ROOT / "docs/schemes/README.md").read_text()
+    rows = {cells[0]: cells[1:] for cells in map(cells_of, text.splitlines()) if cells}
+    assert set(rows) == set(SCHEMES)
+    for name, row in rows.items():
+        claims = SCHEMES[name]
+        orders = [claims["order_free"], claims["order_bilateral"], claims["order_sliding"]]
+        shown = [*map(str, orders[:2]), str(orders[2]) if claims["friction"] else "–"]
+        words = ["no", "yes"]
+        assert row[:5] == [*shown, words[claims["friction"]], words[claims["forces_at_rest"]]], name
+        limit = stability_limit(getattr(sk, name)).measured
+        assert row[5] == "none up to 4" if limit == 4 else float(row[5]) == pytest.approx(limit), name
+
+
+def cells_of(line):
+    """Name of the scheme, and the other cells of its row in the table; nothing of another line."""
+    found = re.match(r"\| \[(\w+OSI)\]\([\w-]+\.md\) \|(.*)\|$", line)
+    return [found[1], *(cell.strip() for cell in found[2].split("|"))] if found else []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

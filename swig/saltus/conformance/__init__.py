@@ -28,6 +28,8 @@ from saltus.conformance.measure import (
 )
 from saltus.conformance.models import (
     MU,
+    RADIUS,
+    SUNKEN,
     bowl,
     double_pendulum,
     exact_double_pendulum,
@@ -60,11 +62,11 @@ def findings(spec: str) -> Iterator[Finding]:
     def make() -> sk.OneStepIntegrator:
         return registry.make_integrator(spec)
 
-    free, swing = exact_double_pendulum(0.5), exact_swing(0.0, 0.25)
+    free, swing = exact_double_pendulum(0.5), exact_swing(0.0, RADIUS, 0.25)
     yield from orders("free motion", claims["order_free"], make, double_pendulum, free, 0.5, FREE_STEPS)
     yield from orders("bilateral constraint", claims["order_bilateral"], make, pendulum, swing, 0.25)
     if claims["friction"]:
-        yield from orders("sliding", claims["order_sliding"], make, bowl, exact_swing(MU, 0.25), 0.25)
+        yield from orders("sliding", claims["order_sliding"], make, bowl, exact_swing(MU, SUNKEN, 0.25), 0.25)
     else:
         yield refusal(make)
     if claims["impact_law"]:

@@ -12,12 +12,15 @@ from saltus.conformance.measure import STEPS, Finding, end, slope, slopes
 from saltus.conformance.models import (
     GRAVITY,
     RADIUS,
+    SUNKEN,
     ball,
     block_at_a_wall,
     exact_ball,
     exact_sledge,
+    exact_swing,
     pendulum,
     sledge,
+    smooth_bowl,
 )
 
 DT = 1e-3  # [s]
@@ -27,8 +30,11 @@ def defects(make: Callable[[], sk.OneStepIntegrator], *, friction: bool) -> Iter
     """All of them, one after the other."""
     yield across_impacts(make)
     if friction:
-        for symbol, order in slopes(make, sledge, exact_sledge(0.25), 0.25, STEPS):
-            yield Finding(f"order of {symbol}, sliding that turns in space", order)
+        what, build, exact = "sliding that turns in space", sledge, exact_sledge(0.25)
+    else:
+        what, build, exact = "lasting contact", smooth_bowl, exact_swing(0.0, SUNKEN, 0.25)
+    for symbol, order in slopes(make, build, exact, 0.25, STEPS):
+        yield Finding(f"order of {symbol}, {what}", order)
     yield from drift(make)
     yield after_bounces(make)
     yield closed_at_the_start(make)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81  # [m/s²]
 RADIUS, START, RATE = 0.8, 0.3, 3.0  # swing: [m], [rad], [rad/s]
+SUNKEN = RADIUS + 1e-4  # of a point in the bowl [m]
 MU = 0.3
 SLEDGE = [0.3, 0.0, 1.0, 2.0]  # x, y [m], their rates [m/s]
 SPRINGS = [20.0, 60.0]  # along x and y [N/m]
@@ -139,16 +140,20 @@ def pendulum() -> sk.NonSmoothDynamicalSystem:
 
 def bowl() -> sk.NonSmoothDynamicalSystem:
     """A point that slides in a bowl with friction, from g = −1e-4, so that a drift opens no contact."""
-    return _on_circle(sk.NewtonImpactFrictionNSL(0.0, 0.0, MU, 2), RADIUS + 1e-4)
+    return _on_circle(sk.NewtonImpactFrictionNSL(0.0, 0.0, MU, 2), SUNKEN)
+
+
+def smooth_bowl() -> sk.NonSmoothDynamicalSystem:
+    """The same without friction."""
+    return _on_circle(sk.NewtonImpactNSL(0.0), SUNKEN)
 
 
 def _swing_state(angle: float, rate: float) -> tuple[FloatArray, FloatArray]:
     return np.array([sin(angle), -cos(angle)]), rate * np.array([cos(angle), sin(angle)])
 
 
-def exact_swing(mu: float, until: float) -> tuple[FloatArray, FloatArray]:
-    """Q and v of pendulum (mu = 0) and bowl by an ordinary differential equation of the angle."""
-    radius = RADIUS + (1e-4 if mu else 0.0)
+def exact_swing(mu: float, radius: float, until: float) -> tuple[FloatArray, FloatArray]:
+    """Q and v of pendulum and bowl by an ordinary differential equation of the angle."""
 
     def rates(t: float, y: FloatArray) -> list[float]:
         pressure = radius * y[1] ** 2 + GRAVITY * cos(y[0])
