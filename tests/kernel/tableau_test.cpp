@@ -10,28 +10,12 @@
 namespace saltus::test {
 namespace {
 
-// Appendix B: the constraint is taken at the stage's own position, Ac = Av = Aq.
-Tableau appendix_b(const char* name, const Matrix& A, const Vec& c) { return {name, A, A, A, c}; }
+Tableau euler() { return runge_kutta("Euler", Matrix::Zero(1, 1), vec({1.0})); }
 
-Tableau heun() {
-  return appendix_b("Heun", (Matrix(2, 2) << 1.0, 0.0, 0.5, 0.5).finished(), vec({0.0, 1.0}));
+// Those of Appendix B
+std::vector<Tableau> tableaux() {
+  return {euler(), heun_tableau(), third_order_tableau(), kutta3_tableau(), rk4_tableau(), hem5_tableau()};
 }
-
-Tableau kutta() {
-  return appendix_b("Kutta, order 3",
-                    (Matrix(3, 3) << 0.5, 0.0, 0.0, -1.0, 2.0, 0.0, 1.0 / 6, 2.0 / 3, 1.0 / 6).finished(),
-                    vec({0.0, 0.5, 1.0}));
-}
-
-Tableau classic() {
-  return appendix_b("Runge-Kutta, order 4",
-                    (Matrix(4, 4) << 0.5, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0 / 6,
-                     1.0 / 3, 1.0 / 3, 1.0 / 6)
-                        .finished(),
-                    vec({0.0, 0.5, 0.5, 1.0}));
-}
-
-Tableau euler() { return appendix_b("Euler", Matrix::Ones(1, 1), vec({0.0})); }
 
 void expect_orders(const Tableau& tableau, int free, int bilateral, const std::vector<double>& dt) {
   const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
@@ -48,14 +32,18 @@ void expect_orders(const Tableau& tableau, int free, int bilateral, const std::v
 }
 
 TEST(Tableau, EulerHasOrderOne) { expect_orders(euler(), 1, 1, {1e-3, 5e-4, 2.5e-4}); }
-TEST(Tableau, HeunHasOrderTwo) { expect_orders(heun(), 2, 2, {2e-3, 1e-3, 5e-4}); }
-TEST(Tableau, KuttaHasOrderThree) { expect_orders(kutta(), 3, 3, {5e-3, 2.5e-3, 1.25e-3}); }
-TEST(Tableau, ClassicRungeKuttaHasOrderFourAndThreeUnderConstraints) {
-  expect_orders(classic(), 4, 3, {1e-2, 5e-3, 2.5e-3});
+TEST(Tableau, HeunHasOrderTwo) { expect_orders(heun_tableau(), 2, 2, {2e-3, 1e-3, 5e-4}); }
+TEST(Tableau, ThirdOrderHasOrderThree) {
+  expect_orders(third_order_tableau(), 3, 3, {5e-3, 2.5e-3, 1.25e-3});
 }
+TEST(Tableau, KuttaHasOrderThree) { expect_orders(kutta3_tableau(), 3, 3, {5e-3, 2.5e-3, 1.25e-3}); }
+TEST(Tableau, ClassicRungeKuttaHasOrderFourAndThreeUnderConstraints) {
+  expect_orders(rk4_tableau(), 4, 3, {1e-2, 5e-3, 2.5e-3});
+}
+TEST(Tableau, Hem5HasOrderFive) { expect_orders(hem5_tableau(), 5, 5, {2.5e-2, 1.25e-2, 6.25e-3}); }
 
 TEST(Tableau, SlidingWithFrictionKeepsTheOrder) {
-  for (const auto& [tableau, order] : {std::pair(heun(), 2), std::pair(kutta(), 3)}) {
+  for (const auto& [tableau, order] : {std::pair(heun_tableau(), 2), std::pair(kutta3_tableau(), 3)}) {
     const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     const Orders orders =
         measure_orders(make_bowl(0.3), scheme, exact_bowl(0.3, 0.25), 0.25, {6.25e-4, 3.125e-4, 1.5625e-4});
@@ -65,7 +53,7 @@ TEST(Tableau, SlidingWithFrictionKeepsTheOrder) {
 }
 
 TEST(Tableau, EveryStageCarriesTheWeightAtRest) {
-  for (const Tableau& tableau : {euler(), heun(), kutta(), classic()}) {
+  for (const Tableau& tableau : tableaux()) {
     const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     for (const Row& row : rows_of_run(make_ball(-1e-4, 0.0, 0.5), scheme, 1e-3, 0.05)) {
       if (row.state.t == 0.0) continue;
@@ -78,7 +66,7 @@ TEST(Tableau, EveryStageCarriesTheWeightAtRest) {
 }
 
 TEST(Tableau, TheImpactLawHoldsForEveryTableau) {
-  for (const Tableau& tableau : {euler(), heun(), kutta(), classic()}) {
+  for (const Tableau& tableau : tableaux()) {
     const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     const State end = run_to(make_two_balls(1.0, 1.0, 2.0, -1.0, 0.5), scheme, 1e-3, 0.1);
     EXPECT_NEAR(end.v[1] - end.v[0], 1.5, 1e-13) << tableau.name;
@@ -89,7 +77,7 @@ TEST(Tableau, RefusesWhatCannotWork) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NO_THROW(validate(trapezoidal_tableau()));
   auto refused = [](auto change, const std::vector<std::string>& words) {
-    Tableau t = heun();
+    Tableau t = heun_tableau();
     change(t);
     expect_refusal([&] { validate(t); }, words);
     expect_refusal([&] { HalfExplicit("under test", t, HalfExplicitSettings{}); }, words);
@@ -112,6 +100,38 @@ TEST(Tableau, RefusesWhatCannotWork) {
   refused([](auto& t) { t.Av(0, 0) = 0.9; }, {"row 1", "sum up to 1"});
   refused([](auto& t) { t.Aq(1, 0) = 0.6; }, {"row 2", "sum up to 1"});
   refused([&](auto& t) { t.Av(1, 1) = nan; }, {"row 2"});
+}
+
+TEST(Tableau, RungeKuttaBecomesRows) {
+  Matrix A = Matrix::Zero(3, 3);
+  A(1, 0) = 0.5;
+  A.row(2) << -1.0, 2.0, 0.0;
+  const Vec b = vec({1.0, 4.0, 1.0}) / 6.0;
+  const Tableau t = runge_kutta("mine", A, b);
+  EXPECT_EQ(t.name, "mine");
+  EXPECT_EQ(t.c, vec({0.0, 0.5, 1.0}));
+  EXPECT_EQ(t.Av.topRows(2), A.bottomRows(2));
+  EXPECT_EQ(t.Av.row(2).transpose(), b);
+  EXPECT_EQ(t.Ac, t.Av);
+  EXPECT_EQ(t.Aq, t.Av);
+  for (const Tableau& known : tableaux()) EXPECT_NO_THROW(validate(known)) << known.name;
+}
+
+TEST(Tableau, RungeKuttaRefusesWhatIsNotExplicit) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  auto refused = [](auto change, const std::vector<std::string>& words) {
+    Matrix A = (Matrix(2, 2) << 0.0, 0.0, 1.0, 0.0).finished();
+    Vec b = vec({0.5, 0.5});
+    change(A, b);
+    expect_refusal([&] { runge_kutta("mine", A, b); }, words);
+  };
+  refused([](auto&, auto& b) { b.resize(0); }, {"'mine'", "at least one stage"});
+  refused([](auto& A, auto&) { A = Matrix::Zero(3, 2); }, {"'mine'", "must be (2, 2)", "got (3, 2)"});
+  refused([](auto&, auto& b) { b = Vec::Ones(3); }, {"must be (3, 3)", "got (2, 2)"});
+  refused([&](auto& A, auto&) { A(1, 0) = nan; }, {"A[1, 0]", "finite", "nan"});
+  refused([&](auto&, auto& b) { b[1] = 1.0 / 0.0; }, {"b[1]", "finite", "inf"});
+  refused([](auto& A, auto&) { A(1, 1) = 0.5; }, {"A[1, 1]", "diagonal", "got 0.5"});
+  refused([](auto& A, auto&) { A(0, 1) = -1.0; }, {"A[0, 1]", "diagonal", "got -1"});
 }
 
 }  // namespace

@@ -22,19 +22,21 @@ struct Tableau {
 /// The forecasting trapezoidal rule on velocity level (62)-(68), the same as (A.1)-(A.10).
 Tableau trapezoidal_tableau();
 
-/// An explicit Runge-Kutta scheme (B.9)-(B.16): Ac = Av = Aq.
+/// A scheme of Appendix B, (B.9)-(B.16), from an explicit Runge-Kutta method: Ac = Av = Aq, c are the sums of
+/// the rows. For its orders see order_conditions.hpp; whether a scheme can have it, validate() says.
+/// @param A  (s+1, s+1) a row for each stage, the first is zero
+/// @param b  (s+1) weights of the output
+/// @throws std::invalid_argument if shapes disagree, or an entry is not finite, or on or above the diagonal
 Tableau runge_kutta(std::string name, const Matrix& A, const Vec& b);
-Tableau heun_tableau();
-Tableau third_order_tableau();
-Tableau kutta3_tableau();
-Tableau rk4_tableau();
-Tableau hem5_tableau();
 
-struct TableauOrder {
-  int free = 0;
-  int constrained = 0;
-};
-TableauOrder order_of(const Tableau& tableau);
+// Order without and with multipliers, and the largest ωΔt at which an undamped oscillator does not grow.
+Tableau heun_tableau();         ///< 2, 2; none, grows by (ωΔt)⁴/8 a step
+Tableau third_order_tableau();  ///< of three stages, c = (0, 1/3, 1): 3, 3; 1.732
+Tableau kutta3_tableau();       ///< 3, 3; 1.732
+Tableau rk4_tableau();          ///< the classic method: 4, 3; 2.828
+/// Of the code HEM5 by Brasey and Hairer, 8 stages: 5, 5; none, grows by (ωΔt)⁶/1800 a step, at most by 3e-4
+/// up to 1.35, and is damped from there to 3.456.
+Tableau hem5_tableau();
 
 /// @throws std::invalid_argument if shapes disagree, a row does not sum up to c_l (the output to 1), it
 ///         uses a stage that comes after it, or Av_{l,l-1} <= 0: complementarity would change its sign

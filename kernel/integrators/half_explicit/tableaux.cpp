@@ -1,4 +1,5 @@
 #include <cmath>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/half_explicit/tableau.hpp"
@@ -19,60 +20,71 @@ Tableau trapezoidal_tableau() {
 }
 
 Tableau runge_kutta(std::string name, const Matrix& A, const Vec& b) {
-  const auto n = b.size();
-  Tableau t{std::move(name), Matrix::Zero(n, n), {}, {}, A.rowwise().sum()};
-  t.Ac.topRows(n - 1) = A.bottomRows(n - 1);
-  t.Ac.row(n - 1) = b.transpose();
-  t.Av = t.Aq = t.Ac;
-  return t;
+  auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument("tableau '" + name + "': " + why);
+  };
+  const Eigen::Index n = b.size();
+  if (n < 1) refuse("needs at least one stage");
+  if (A.rows() != n || A.cols() != n)
+    refuse("A must be (" + std::to_string(n) + ", " + std::to_string(n) + ") as b has " + std::to_string(n) +
+           " entries, got (" + std::to_string(A.rows()) + ", " + std::to_string(A.cols()) + ")");
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!std::isfinite(b[i])) refuse("b[" + std::to_string(i) + "] must be finite, got " + number(b[i]));
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const std::string entry = "A[" + std::to_string(i) + ", " + std::to_string(j) + "] must be ";
+      if (!std::isfinite(A(i, j))) refuse(entry + "finite, got " + number(A(i, j)));
+      if (j >= i && A(i, j) != 0.0)
+        refuse(entry + "0, on or above the diagonal of an explicit method, got " + number(A(i, j)));
+    }
+  }
+  Matrix rows(n, n);
+  rows << A.bottomRows(n - 1), b.transpose();
+  return {std::move(name), rows, rows, rows, A.rowwise().sum()};
 }
-Tableau heun_tableau() {
-  Matrix A = Matrix::Zero(2, 2);
-  A(1, 0) = 1;
-  return runge_kutta("Heun", A, (Vec(2) << 0.5, 0.5).finished());
+
+namespace {
+
+// Rows of A below the first, entries left of the diagonal one after the other, then b.
+Tableau from_entries(std::string name, int stages, std::initializer_list<double> entries) {
+  Matrix A = Matrix::Zero(stages, stages);
+  auto next = entries.begin();
+  for (int i = 1; i < stages; ++i)
+    for (int j = 0; j < i; ++j) A(i, j) = *next++;
+  return runge_kutta(std::move(name), A, Eigen::Map<const Vec>(next, stages));
 }
+
+}  // namespace
+
+Tableau heun_tableau() { return from_entries("Heun", 2, {1.0, /**/ 0.5, 0.5}); }
+
 Tableau third_order_tableau() {
-  Matrix A = Matrix::Zero(3, 3);
-  A(1, 0) = 1.0 / 3;
-  A(2, 0) = -1;
-  A(2, 1) = 2;
-  return runge_kutta("third-order", A, (Vec(3) << 0, 0.75, 0.25).finished());
+  return from_entries("third order", 3, {1.0 / 3, -1.0, 2.0, /**/ 0.0, 0.75, 0.25});
 }
+
 Tableau kutta3_tableau() {
-  Matrix A = Matrix::Zero(3, 3);
-  A(1, 0) = 1.0 / 2;
-  A(2, 0) = -1;
-  A(2, 1) = 2;
-  return runge_kutta("Kutta3", A, (Vec(3) << 1. / 6, 4. / 6, 1. / 6).finished());
+  return from_entries("Kutta3", 3, {0.5, -1.0, 2.0, /**/ 1.0 / 6, 2.0 / 3, 1.0 / 6});
 }
+
 Tableau rk4_tableau() {
-  Matrix A = Matrix::Zero(4, 4);
-  A(1, 0) = 0.5;
-  A(2, 1) = 0.5;
-  A(3, 2) = 1;
-  return runge_kutta("RK4", A, (Vec(4) << 1. / 6, 1. / 3, 1. / 3, 1. / 6).finished());
+  return from_entries("RK4", 4, {0.5, 0.0, 0.5, 0.0, 0.0, 1.0, /**/ 1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6});
 }
+
+// Brasey, thesis, Geneva 1992; Brasey and Hairer, SIAM J. Numer. Anal. 30 (1993)
 Tableau hem5_tableau() {
-  Matrix A = Matrix::Zero(8, 8);
-  A.row(1).head(1) << 0.1;
-  A.row(2).head(2) << 0.0375, 0.1125;
-  A.row(3).head(3) << 0.3222169236216038, -1.188883322987607, 1.228145134023366;
-  A.row(4).head(4) << -0.03501123898129943, 0.3725420601086163, -0.2721053535582034, 0.01993037578575077;
-  A.row(5).head(5) << -0.5576547055042005, 1.367307289645883, -1.732236360460725, 0.4587772007467548,
-      0.9638065755722880;
-  A.row(6).head(6) << 0.08654517193566155, -0.08810082847945416, 0.1981275547329404, -0.4645422679331083,
-      0.1615170091109488, 0.9064533606330119;
-  A.row(7).head(7) << 0, 0, 0, 3.624477248753816, -0.4617724189181256, -3.198024628164272, 1.035319798328740;
-  return runge_kutta("HEM5", A,
-                     (Vec(8) << 0, 0, 0, 0.2467760667636791, 0.2106594087489728, 0.1769218149125021,
-                      0.3064446444147922, 0.05919806516005373)
-                         .finished());
-}
-TableauOrder order_of(const Tableau& t) {
-  if (t.name == "Heun") return {2, 2};
-  if (t.name == "RK4") return {4, 3};
-  if (t.name == "HEM5") return {5, 5};
-  return {3, 3};
+  // clang-format off
+  return from_entries("HEM5", 8, {
+      0.1,
+      0.0375, 0.1125,
+      0.3222169236216038, -1.188883322987607, 1.228145134023366,
+      -0.03501123898129943, 0.3725420601086163, -0.2721053535582034, 0.01993037578575077,
+      -0.5576547055042005, 1.367307289645883, -1.732236360460725, 0.4587772007467548, 0.9638065755722880,
+      0.08654517193566155, -0.08810082847945416, 0.1981275547329404, -0.4645422679331083, 0.1615170091109488,
+      0.9064533606330119,
+      0.0, 0.0, 0.0, 3.624477248753816, -0.4617724189181256, -3.198024628164272, 1.035319798328740,
+      // b
+      0.0, 0.0, 0.0, 0.2467760667636791, 0.2106594087489728, 0.1769218149125021, 0.3064446444147922,
+      0.05919806516005373});
+  // clang-format on
 }
 
 void validate(const Tableau& t) {
