@@ -36,6 +36,7 @@ void Recording::observe(const StepView& view) {
   append(velocities, view.velocities);
   append(lambda_plus, view.reactions.lambda_plus);
   append(lambda_minus, view.reactions.lambda_minus);
+  append(force, view.reactions.force);
   append(impulse, view.reactions.impulse);
   residual.push_back(view.report.residual);
   penetration.push_back(view.report.penetration);
@@ -82,6 +83,7 @@ const std::vector<Column>& run_columns() {
       {"velocity", "m/s", Width::rows, &Recording::velocities},
       {"lambda_plus", "N", Width::rows, &Recording::lambda_plus},
       {"lambda_minus", "N", Width::rows, &Recording::lambda_minus},
+      {"force", "N", Width::rows, &Recording::force},
       {"impulse", "N s", Width::rows, &Recording::impulse},
       {"impulsive", "1", Width::one, &Recording::impulsive},
       {"closed", "1", Width::one, &Recording::closed},

@@ -37,7 +37,7 @@ class Recording final : public Observer {
   std::vector<double> q, v;                                    ///< (rows, n)
   std::vector<double> gaps;                                    ///< (rows, gaps) [m]
   std::vector<double> velocities;                              ///< (rows, contact rows) [m/s]
-  std::vector<double> lambda_plus, lambda_minus;               ///< likewise [N]
+  std::vector<double> lambda_plus, lambda_minus, force;        ///< likewise [N]
   std::vector<double> impulse;                                 ///< likewise [N s]
   std::vector<double> residual, penetration;                   ///< (rows) [m/s], [m]
   std::vector<double> kinetic_energy, potential_energy;        ///< (rows) [J]

@@ -3,6 +3,7 @@
 
 #include "bindings.hpp"
 #include "python_integrators.hpp"
+#include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/registry.hpp"
 
 namespace saltus::python {
@@ -73,6 +74,64 @@ void register_class(const std::string& name, const std::string& summary, const p
   register_integrator(std::move(entry));
 }
 
+TableauOrder claimed_order(const py::object& order) {
+  try {
+    if (py::isinstance<py::int_>(order)) return {order.cast<int>(), 0};
+    const auto [free, constrained] = order.cast<std::pair<int, int>>();
+    return {free, constrained};
+  } catch (const py::cast_error&) {
+    throw py::type_error("order must be a whole number or two of them, got " + std::string(py::repr(order)));
+  }
+}
+
+void bind_tableau(py::module_& module) {
+  py::class_<Tableau>(module, "Tableau", R"(Coefficients of an explicit Runge-Kutta scheme (B.9)-(B.16).
+
+Parameters
+----------
+A : (stages, stages) a_lk, zero on and above the diagonal; a_{l,l-1} > 0: the multiplier λ_{l-1} acts through it
+b : (stages,) weights, their sum is 1; the last is positive
+name : what it is called in messages and in what a run stores
+order : order of convergence that is claimed and checked: without multipliers, or also with those of contacts
+    that stay closed, (order, order with multipliers)
+
+Raises
+------
+ValueError
+    If it can be no half-explicit scheme, or an order condition of the order claimed does not hold, naming it.
+)")
+      .def(py::init(
+               [](const ArrayLike& A, const ArrayLike& b, const std::string& name, const py::object& order) {
+                 Tableau tableau = runge_kutta(name, to_matrix(A, "A"), to_vec(b, "b"));
+                 validate(tableau);
+                 if (!order.is_none()) require_order(tableau, claimed_order(order));
+                 return tableau;
+               }),
+           py::arg("A"), py::arg("b"), py::arg("name") = "own", py::arg("order") = py::none())
+      .def_readonly("name", &Tableau::name)
+      .def_property_readonly(
+          "A",
+          [](const Tableau& t) {
+            Matrix A = Matrix::Zero(t.stages(), t.stages());
+            A.bottomRows(t.stages() - 1) = t.Av.topRows(t.stages() - 1);
+            return matrix_to_array(A);
+          },
+          "(stages, stages)")
+      .def_property_readonly(
+          "b", [](const Tableau& t) { return to_array(Vec(t.Av.row(t.stages() - 1).transpose())); },
+          "(stages,)")
+      .def_property_readonly(
+          "c", [](const Tableau& t) { return to_array(t.c); }, "(stages,) sums of the rows")
+      .def_property_readonly(
+          "order",
+          [](const Tableau& t) {
+            const TableauOrder order = order_of(t);
+            return py::make_tuple(order.free, order.constrained);
+          },
+          "orders by the order conditions, at most 6: without multipliers, with those of closed contacts")
+      .def("__repr__", [](const Tableau& t) { return "<Tableau " + t.name + ">"; });
+}
+
 void bind_state(py::module_& module) {
   py::class_<State>(module, "State",
                     "What a run carries from step to step. Assign new arrays, do not write into old ones.")
@@ -96,6 +155,7 @@ void bind_state(py::module_& module) {
   };
   array("lambda_plus", &Reactions::lambda_plus, "(rows,) λ⁺ at the start of the step [N]");
   array("lambda_minus", &Reactions::lambda_minus, "(rows,) λ⁻ at its end [N]");
+  array("force", &Reactions::force, "(rows,) their mean over the step [N]");
   array("impulse", &Reactions::impulse, "(rows,) Λ at its end [N s]");
 }
 
@@ -167,6 +227,12 @@ ContactStage cannot do raises StepFailure: let it pass, the simulation reports i
         return table;
       },
       "The registered integrators: name, summary, options and what holds for each.");
+  module.def(
+      "integrator_properties",
+      [](const std::string& name, const Options& options) {
+        return to_dict(integrator_properties(name, options));
+      },
+      py::arg("name"), py::arg("options") = Options{}, "What holds for a scheme with these options.");
   module.def("register_class", &register_class);
   module.def("load_integrator", &load_integrator);
 }
@@ -284,6 +350,7 @@ void bind_integrators(py::module_& module) {
   bind_state(module);
   bind_report(module);
   bind_failure(module);
+  bind_tableau(module);
   bind_integrator(module);
   bind_parts(module);
 }

@@ -35,5 +35,6 @@ void require_initialised(py::handle self);
 Recording to_recording(const py::dict& columns);
 /// A new array with these values.
 py::array_t<double> to_array(const Vec& values);
+py::array_t<double> matrix_to_array(const Matrix& values);
 
 }  // namespace saltus::python

@@ -64,6 +64,10 @@ Matrix to_matrix(const ArrayLike& values, const std::string& what) {
 
 py::array_t<double> to_array(const Vec& values) { return py::array_t<double>(values.size(), values.data()); }
 
+py::array_t<double> matrix_to_array(const Matrix& values) {
+  return py::array_t<double>({values.rows(), values.cols()}, values.data());
+}
+
 }  // namespace saltus::python
 
 PYBIND11_MODULE(_core, module) {

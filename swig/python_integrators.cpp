@@ -77,7 +77,7 @@ StepReport PyIntegrator::step(double dt, State& state, Reactions& reactions) {
   const auto& s = new_state.cast<const State&>();
   const auto& r = new_reactions.cast<const Reactions&>();
   const bool finite = s.q.allFinite() && s.v.allFinite() && r.lambda_plus.allFinite() &&
-                      r.lambda_minus.allFinite() && r.impulse.allFinite();
+                      r.lambda_minus.allFinite() && r.force.allFinite() && r.impulse.allFinite();
   if (!finite) {
     report.status = StepStatus::not_finite;
     return report;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
+#include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/impact_refinement.hpp"
 #include "saltus/kernel/integrators/moreau_jean/explicit_moreau_jean.hpp"
 #include "saltus/kernel/integrators/moreau_jean/moreau_jean.hpp"
@@ -197,6 +198,11 @@ Registry<IntegratorEntry>& table() {
            .make =
                [](const Options& options) {
                  return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")));
+               },
+           .properties_with =
+               [](const Options& options) {
+                 const bool trapezoidal = std::get<double>(options.at("theta")) == 0.5;
+                 return SchemeProperties{.implicit = true, .order_free = trapezoidal ? 2 : 1};
                }},
           {.name = trapezoidal_name,
            .summary =

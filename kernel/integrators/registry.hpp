@@ -23,7 +23,6 @@ struct SchemeProperties {
   int order_sliding = 1;        ///< in persistent sliding whose direction does not turn, as in the plane
   bool impact_law = true;       ///< restitution by the law in every phase of a step
   bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
-  bool impact_law = true;       ///< Newton's, wherever in a step the contact closes
 };
 
 using OptionValue = std::variant<double, std::string, Tableau>;

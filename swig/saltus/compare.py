@@ -352,8 +352,7 @@ def _named(scheme: str | OneStepIntegrator) -> Named:
             raise ValueError(str(error)) from error
     if not isinstance(scheme, OneStepIntegrator):
         raise ValueError(f"an integrator must be a name or a OneStepIntegrator, got {type(scheme).__name__}")
-    options = ", ".join(f"{name}={value}" for name, value in scheme.options.items())
-    return scheme.name + (f"({options})" if options else ""), scheme
+    return registry.label(scheme), scheme
 
 
 def _reference(given: str | os.PathLike[str] | Trajectory | None) -> _Reference:

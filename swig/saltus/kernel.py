@@ -39,6 +39,7 @@ from saltus._core import (
     State,
     StepFailure,
     StepReport,
+    Tableau,
     integrators,
 )
 from saltus.io import Layout, Provenance, Trajectory
@@ -47,7 +48,7 @@ from saltus.registry import IntegratorFactory, register_integrator
 from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
 
 if TYPE_CHECKING:
-    from saltus.typing import FloatArray
+    from saltus.typing import FloatArray, OptionValue
 
 __all__ = [
     "Actuator",
@@ -80,6 +81,7 @@ __all__ = [
     "State",
     "StepFailure",
     "StepReport",
+    "Tableau",
     "TimeStepping",
     "integrators",
     "register_integrator",
@@ -94,6 +96,17 @@ def __getattr__(name: str) -> IntegratorFactory:
 
 def __dir__() -> list[str]:
     return [*__all__, *(entry["name"] for entry in integrators())]
+
+
+def _storable(options: Mapping[str, OptionValue]) -> dict[str, Any]:
+    """As a file can keep them."""
+
+    def plain(value: OptionValue) -> Any:
+        if not isinstance(value, Tableau):
+            return value
+        return {"name": value.name, "A": value.A.tolist(), "b": value.b.tolist()}
+
+    return {name: plain(value) for name, value in options.items()}
 
 
 @dataclass(frozen=True)
@@ -246,7 +259,12 @@ class TimeStepping(_core.TimeSteppingBase):
         self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
         provenance = Provenance(
-            scheme.name, scheme.options, float(time_step), solver, int(record_every), system.parameters
+            scheme.name,
+            _plain(scheme.options),
+            float(time_step),
+            solver,
+            int(record_every),
+            system.parameters,
         )
         shapes = shapes_of(system.systems)
         self._stream: Stream | None = (

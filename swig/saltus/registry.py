@@ -7,26 +7,29 @@ Options of an integrator can follow its name: ``"MoreauJeanOSI(theta=0.5)"``.
 
 from __future__ import annotations
 
-import ast
 import importlib
 import importlib.util
 import inspect
+import re
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from saltus import _core
-from saltus._core import ContactSolver, OneStepIntegrator, integrators, solvers
+from saltus._core import ContactSolver, OneStepIntegrator, Tableau, integrators, solvers
 
 if TYPE_CHECKING:
-    from saltus.typing import OptionEntry
+    from saltus.typing import OptionEntry, OptionValue
 
 Integrator = TypeVar("Integrator", bound=type[OneStepIntegrator])
 Solver = TypeVar("Solver", bound=type[ContactSolver])
 
 _registered: dict[str, type] = {}  # the Python classes in the tables
+
+_OPTION = re.compile(
+    r"""(?P<name>\w+)\s*=\s*(["']?)(?:(?P<word>[A-Za-z][\w-]*)|(?P<number>[-+.\d][-+.\w]*))\2"""
+)
 
 
 class IntegratorFactory:
@@ -38,7 +41,7 @@ class IntegratorFactory:
         lines = [f"{key} = {about['default']!r}: {about['meaning']}" for key, about in options.items()]
         self.__doc__ = f"{summary}\n\nOptions\n-------\n" + ("\n".join(lines) or "none")
 
-    def __call__(self, *values: float | str, **options: float | str) -> OneStepIntegrator:
+    def __call__(self, *values: OptionValue, **options: OptionValue) -> OneStepIntegrator:
         """Make the integrator. Raises ValueError if there is no such option or choice."""
         if len(values) > len(self._options):
             raise TypeError(f"{self.name} takes {len(self._options)} options, got {len(values)}")
@@ -47,6 +50,10 @@ class IntegratorFactory:
             if key in given:
                 raise TypeError(f"{self.name}: {key} is given twice")
             given[key] = value
+        for key, value in given.items():
+            if not isinstance(value, (int, float, str, Tableau)):
+                kind = type(value).__name__
+                raise TypeError(f"{self.name}: {key} must be a number, a word or a Tableau, got {kind}")
         return _core.make_integrator(self.name, given)
 
     def __repr__(self) -> str:
@@ -87,19 +94,21 @@ def properties(spec: str) -> dict[str, Any]:
     Raises ValueError as `make_integrator` does.
     """
     scheme = make_integrator(spec)
-    return _properties(scheme.name, scheme.options)
+    return _core.integrator_properties(scheme.name, scheme.options)
 
 
-def _properties(name: str, options: Mapping[str, float | str]) -> dict[str, Any]:
-    claims = dict(next(entry["properties"] for entry in integrators() if entry["name"] == name))
-    if name == "MoreauJeanOSI" and options["theta"] != 0.5:
-        claims["order_free"] = 1
-    if options.get("activity") == "predicted":
-        claims["impact_law"] = False
-    return claims
+def label(scheme: OneStepIntegrator) -> str:
+    """Its name, and in brackets the options that are not the standard ones."""
+    standard = next((e["options"] for e in integrators() if e["name"] == scheme.name), {})
+    options = [
+        f"{key}={value.name if isinstance(value, Tableau) else value}"
+        for key, value in scheme.options.items()
+        if key not in standard or value != standard[key]["default"]
+    ]
+    return scheme.name + (f"({', '.join(options)})" if options else "")
 
 
-def _parse(spec: str) -> tuple[str, dict[str, float | str]]:
+def _parse(spec: str) -> tuple[str, dict[str, OptionValue]]:
     name, bracket, rest = spec.strip().partition("(")
     if not bracket:
         return name, {}
@@ -121,23 +130,18 @@ def split_specs(text: str) -> list[str]:
     return [part.strip() for part in parts if part.strip()]
 
 
-def _options(text: str) -> dict[str, float | str] | None:
-    """The keywords of a call as numbers and words, None if it is something else. Nothing is executed."""
-    try:
-        call = ast.parse(f"_({text})", mode="eval").body
-        if not isinstance(call, ast.Call) or call.args:
+def _options(text: str) -> dict[str, OptionValue] | None:
+    """The options in "name=value, ...", numbers and words, each once; None if it is something else."""
+    options: dict[str, OptionValue] = {}
+    for part in text.split(",") if text.strip() else ():
+        found = _OPTION.fullmatch(part.strip())
+        if found is None or found["name"] in options:
             return None
-        options = {str(keyword.arg): _value(keyword.value) for keyword in call.keywords}
-    except (SyntaxError, ValueError):
-        return None
+        try:
+            options[found["name"]] = found["word"] or float(found["number"])
+        except ValueError:
+            return None
     return options
-
-
-def _value(node: ast.expr) -> float | str:
-    value = node.id if isinstance(node, ast.Name) else ast.literal_eval(node)
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise ValueError("neither a number nor a word")
-    return value
 
 
 def solver(name: str) -> str:

@@ -1,9 +1,12 @@
 """Types of the public functions."""
 
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, Union
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from saltus._core import Tableau
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -11,6 +14,10 @@ BoolArray = NDArray[np.bool_]
 
 # "library:function", what saltus.compiled returns, or a C pointer of ctypes, cffi or numba: saltus.functions
 ModelFunction = Any
+
+
+# Of an option of an integrator: a number, or a word that can stand for a tableau
+OptionValue: TypeAlias = Union[float, str, "Tableau"]
 
 
 class OptionEntry(TypedDict):

@@ -68,9 +68,18 @@ def test_what_is_no_model():
 def test_integrators_with_options():
     scheme = registry.make_integrator(" MoreauJeanOSI(theta=0.75)")
     assert scheme.options == {"theta": 0.75}
-    assert registry.make_integrator("HalfExplicitTrapezoidalOSI(activity=predicted)").options == {
-        "activity": "predicted"
+    predicted = registry.make_integrator("HalfExplicitTrapezoidalOSI(activity=predicted)")
+    assert predicted.options == {
+        "activity": "predicted",
+        "stabilization": "none",
+        "impact": "paper",
+        "impulsive_substeps": 1.0,
     }
+    assert registry.label(predicted) == "HalfExplicitTrapezoidalOSI(activity=predicted)"
+    hyphens = registry.make_integrator(
+        "HalfExplicitRungeKuttaOSI(tableau=third-order, impact='keep-resting-forces')"
+    )
+    assert registry.label(hyphens) == "HalfExplicitRungeKuttaOSI(impact=keep-resting-forces)"
     assert registry.split_specs("A, B(x=1, y='a'),lib.so:C,") == ["A", "B(x=1, y='a')", "lib.so:C"]
     one = sk.TimeStepping(ball(), "MoreauJeanOSI(theta=1.0)", 1e-3).run(0.1)
     two = sk.TimeStepping(ball(), sk.MoreauJeanOSI(theta=1.0), 1e-3).run(0.1)
@@ -85,7 +94,10 @@ def test_integrators_with_options():
         ("MoreauJeanOSI(0.5)", "expected an integrator as NAME"),
         ("MoreauJeanOSI(theta=0.5", "expected an integrator as NAME"),
         ("MoreauJeanOSI(theta=print(1))", "expected an integrator as NAME"),
-        ("MoreauJeanOSI(theta=True)", "expected an integrator as NAME"),
+        ("MoreauJeanOSI(theta=True)", "theta must be a number"),
+        ("MoreauJeanOSI(theta=0.5, theta=1)", "expected an integrator as NAME"),
+        ("MoreauJeanOSI(theta=0.5, )", "expected an integrator as NAME"),
+        ("MoreauJeanOSI(theta=1e)", "expected an integrator as NAME"),
         ("MoreauJeanOSI(theta=big)", "theta must be a number"),
         ("MoreauJeanOSI(size=1)", "has no option 'size'"),
         ("NoSuchOSI(x=1)", "no integrator named 'NoSuchOSI'"),

@@ -76,7 +76,10 @@ EYE = np.eye(2)
         ),
         (lambda: sk.TimeStepping(ball(), "ExplicitMoreauJeanOSI", 0.1, record_every=0), "at least 1, got 0"),
         (lambda: sk.TimeStepping(ball(), "ExplicitMoreauJeanOSI", 0.1).run(math.nan), "until must be finite"),
-        (lambda: sk.HalfExplicitTrapezoidalOSI(activity="never"), "one of start, sticky, predicted, got 'never'"),
+        (
+            lambda: sk.HalfExplicitTrapezoidalOSI(activity="never"),
+            "one of start, sticky, predicted, got 'never'",
+        ),
         (lambda: sk.HalfExplicitTrapezoidalOSI(theta="1"), "no option 'theta', its options: activity"),
         (lambda: sk.HalfExplicitTrapezoidalOSI(1), "one of start, sticky, predicted, got a number"),
         (lambda: sk.MoreauJeanOSI("x"), "theta must be a number, got a word"),

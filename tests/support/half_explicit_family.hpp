@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
+#include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/registry.hpp"
 
 namespace saltus::test {

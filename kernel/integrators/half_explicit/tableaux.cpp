@@ -58,7 +58,7 @@ Tableau from_entries(std::string name, int stages, std::initializer_list<double>
 Tableau heun_tableau() { return from_entries("Heun", 2, {1.0, /**/ 0.5, 0.5}); }
 
 Tableau third_order_tableau() {
-  return from_entries("third order", 3, {1.0 / 3, -1.0, 2.0, /**/ 0.0, 0.75, 0.25});
+  return from_entries("third-order", 3, {1.0 / 3, -1.0, 2.0, /**/ 0.0, 0.75, 0.25});
 }
 
 Tableau kutta3_tableau() {

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
 UNITS = run_columns()  #: all columns of a run, name: unit
-CONTACT_COLUMNS = ("gap", "velocity", "lambda_plus", "lambda_minus", "impulse")
+CONTACT_COLUMNS = ("gap", "velocity", "lambda_plus", "lambda_minus", "force", "impulse")
 
 
 class Rows(Protocol):
@@ -56,7 +56,7 @@ class Provenance:
     """How a run came about."""
 
     integrator: str
-    options: Mapping[str, float | str]  #: all of the integrator's, also those not given
+    options: Mapping[str, Any]  #: all of the integrator's, also those not given
     time_step: float  #: [s]
     solver: str
     record_every: int
@@ -74,12 +74,8 @@ class ContactRecord:
     velocity: FloatArray  #: γ = Wᵀ v⁺ [m/s]
     lambda_plus: FloatArray  #: λ⁺ at the start of the step [N]
     lambda_minus: FloatArray  #: λ⁻ at its end [N]
+    force: FloatArray  #: mean over the step [N], of the scheme's order where λ⁺ and λ⁻ are each of first
     impulse: FloatArray  #: Λ at its end [N s]
-
-    @property
-    def force(self) -> FloatArray:
-        """Mean of λ⁺ and λ⁻ [N], of second order where each of them is of first."""
-        return 0.5 * (self.lambda_plus + self.lambda_minus)
 
 
 @dataclass(frozen=True)
