@@ -362,7 +362,7 @@ TEST(OrderConditions, AgreeWithMeasuredOrders) {
   const Generic free(false), guided(true);
   const State free_end = free.exact(until), guided_end = guided.exact(until);
   auto expect = [&](const Tableau& tableau) {
-    const HalfExplicit scheme("under test", tableau, Level::velocity, Activity::start);
+    const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
     auto compare = [&](const Generic& generic, const State& end, int order) {
       const double dt = order > 4 ? 0.05 : order > 3 ? 0.01 : order > 1 ? 2.5e-3 : 1.25e-3;
       const Orders measured = measure_orders(generic.model(), scheme, end, until, {dt, dt / 2, dt / 4});
