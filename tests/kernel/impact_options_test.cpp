@@ -14,7 +14,7 @@ namespace {
 class ImpactOptions : public testing::TestWithParam<std::string> {};
 
 TEST_P(ImpactOptions, ABlockThatHitsAWallLeavesTheFloorOnlyWithThePapersRule) {
-  const double dt = 1e-3, restitution = 0.5;
+  const double dt = 1e-3, restitution = 0.8;
   const auto model = make_block_before_wall(dt, restitution);
   for (const char* activity : {"start", "sticky", "stabilised"})
     for (const bool keeps : {false, true}) {
