@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "saltus/kernel/assembly/layout.hpp"
+
 namespace saltus {
 
 ImpactRefinement::ImpactRefinement(std::unique_ptr<OneStepIntegrator> scheme, int parts)
@@ -14,6 +16,10 @@ ImpactRefinement::ImpactRefinement(std::unique_ptr<OneStepIntegrator> scheme, in
 
 void ImpactRefinement::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
   scheme_->prepare(model, solver);
+  const Layout layout(model);
+  state_before_ = {model.t0(), model.q0(), model.v0()};
+  state_before_.held.reserve(layout.contacts.size());
+  for (Reactions* reactions : {&reactions_before_, &sums_}) reactions->set_zero(layout.rows);
 }
 
 StepReport ImpactRefinement::step(double dt, State& state, Reactions& reactions) {

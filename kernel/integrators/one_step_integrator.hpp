@@ -15,7 +15,7 @@ struct State {
   Vec q;           ///< (n)
   Vec v;           ///< (n) right limit v⁺
   /// (contacts) not zero: held closed by a scheme that remembers contacts, though the gap may have drifted
-  /// open. Empty if no such scheme has taken a step.
+  /// open. Empty before such a scheme has taken a step.
   std::vector<unsigned char> held = {};
 };
 

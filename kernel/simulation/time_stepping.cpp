@@ -75,6 +75,7 @@ TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepI
       view_(layout_),
       velocities_(Vec::Zero(layout_->rows)) {
   reactions_.set_zero(layout_->rows);
+  state_.held.reserve(layout_->contacts.size());
   check_start();
   integrator_->prepare(model_, *solver_);
 }

@@ -1,6 +1,8 @@
 // Same input, same bits: no run depends on another one, on how it was cut, or on what ran before.
 #include <gtest/gtest.h>
 
+#include "saltus/kernel/assembly/layout.hpp"
+#include "saltus/numerics/solvers/registry.hpp"
 #include "slider_crank/slider_crank.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
@@ -20,20 +22,21 @@ void expect_same(const TimeStepping& a, const TimeStepping& b) {
   EXPECT_TRUE(same_bits(a.state().v, b.state().v));
   EXPECT_TRUE(same_bits(a.reactions().lambda_plus, b.reactions().lambda_plus));
   EXPECT_TRUE(same_bits(a.reactions().lambda_minus, b.reactions().lambda_minus));
+  EXPECT_TRUE(same_bits(a.reactions().force, b.reactions().force));
   EXPECT_TRUE(same_bits(a.reactions().impulse, b.reactions().impulse));
   EXPECT_EQ(a.report().residual, b.report().residual);
 }
 
 TEST_P(Determinism, TwoRunsAreEqualToTheBit) {
-  const auto scheme = make_integrator(GetParam());
-  TimeStepping first(crank_, *scheme, 1e-4), second(crank_, *make_integrator(GetParam()), 1e-4);
+  const auto scheme = make_scheme(GetParam());
+  TimeStepping first(crank_, *scheme, 1e-4), second(crank_, *make_scheme(GetParam()), 1e-4);
   first.run(0.1);
   second.run(0.1);
   expect_same(first, second);
 }
 
 TEST_P(Determinism, ARunInPiecesIsTheRunInOnePiece) {
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   TimeStepping whole(crank_, *scheme, 1e-4), pieces(crank_, *scheme, 1e-4);
   whole.run(0.1);
   for (double until : {0.013, 0.01301, 0.05, 0.1}) pieces.run(until);
@@ -42,7 +45,7 @@ TEST_P(Determinism, ARunInPiecesIsTheRunInOnePiece) {
 
 TEST_P(Determinism, SimulationsFromOneIntegratorAreIndependent) {
   // Interleaved step by step, with different models, from one integrator object and one solver.
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   const auto bowl = make_bowl(mu_taken_by(GetParam(), 0.3));
   TimeStepping crank_alone(crank_, *scheme, 1e-4), bowl_alone(bowl, *scheme, 1e-3);
   for (int k = 0; k < 500; ++k) crank_alone.step();
@@ -57,7 +60,7 @@ TEST_P(Determinism, SimulationsFromOneIntegratorAreIndependent) {
 }
 
 TEST_P(Determinism, APreparedIntegratorCanBeCloned) {
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   TimeStepping first(crank_, *scheme, 1e-4);
   first.run(0.01);
   TimeStepping second(crank_, first.integrator(), 1e-4, first.solver());
@@ -67,9 +70,30 @@ TEST_P(Determinism, APreparedIntegratorCanBeCloned) {
   expect_same(second, fresh);
 }
 
+TEST_P(Determinism, StateAndReactionsAreAllThatAStepNeeds) {
+  // A copy of the integrator that has taken no step goes on from them: what a checkpoint has to keep.
+  const auto one = make_scheme(GetParam()), two = make_scheme(GetParam());
+  const auto solver = make_contact_solver("auto"), other = make_contact_solver("auto");
+  one->prepare(crank_, *solver);
+  State state{0.0, crank_.q0(), crank_.v0()};
+  Reactions reactions;
+  reactions.set_zero(Layout(crank_).rows);
+  for (int k = 0; k < 471; ++k) one->step(1e-4, state, reactions);
+  State kept = state;
+  Reactions kept_reactions = reactions;
+  two->prepare(crank_, *other);
+  for (int k = 0; k < 300; ++k) {
+    one->step(1e-4, state, reactions);
+    two->step(1e-4, kept, kept_reactions);
+    ASSERT_TRUE(same_bits(state.q, kept.q)) << k;
+    ASSERT_TRUE(same_bits(state.v, kept.v)) << k;
+    ASSERT_TRUE(same_bits(reactions.force, kept_reactions.force)) << k;
+  }
+}
+
 TEST_P(Determinism, SystemsWithoutContactDoNotDisturbEachOther) {
   // Two double pendulums in one model move as one alone.
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   const auto single = make_double_pendulum();
   const NonSmoothDynamicalSystem both(
       {single.systems()[0], std::make_shared<DoublePendulum>(single.q0(), single.v0())});

@@ -43,11 +43,11 @@ testing::AssertionResult vanishes(const std::vector<double>& dt, const std::vect
 // With a variable mass dT/dt = vᵀh + ½ vᵀṀv: h holds the gyroscopic forces, the second term must be there
 // too.
 TEST_P(Energy, WorksExplainTheKineticEnergyUpToTheOrderOfTheScheme) {
-  const auto& properties = scheme_entry(GetParam()).properties;
+  const auto properties = scheme_properties(GetParam());
   const std::vector<double> dt = {1e-3, 5e-4, 2.5e-4};
   std::vector<double> damped, variable_mass, bilateral;
   for (double h : dt) {
-    const auto scheme = make_integrator(GetParam());
+    const auto scheme = make_scheme(GetParam());
     damped.push_back(
         std::abs(unexplained(rows_of_run(make_oscillator(5.0, 1.0, 0.0, 0.5), *scheme, h, 0.5))));
     variable_mass.push_back(std::abs(unexplained(rows_of_run(make_double_pendulum(), *scheme, h / 2, 0.3))));
@@ -67,8 +67,8 @@ TEST_P(EnergyOfFriction, WorksExplainTheKineticEnergyInSliding) {
   for (const NonSmoothDynamicalSystem& model : {make_bowl(0.3), make_sledge(sledge)}) {
     std::vector<double> sliding;
     for (double h : dt)
-      sliding.push_back(std::abs(unexplained(rows_of_run(model, *make_integrator(GetParam()), h, 0.25))));
-    EXPECT_TRUE(vanishes(dt, sliding, scheme_entry(GetParam()).properties.order_sliding));
+      sliding.push_back(std::abs(unexplained(rows_of_run(model, *make_scheme(GetParam()), h, 0.25))));
+    EXPECT_TRUE(vanishes(dt, sliding, scheme_properties(GetParam()).order_sliding));
   }
 }
 
@@ -76,7 +76,7 @@ TEST_P(Energy, KineticEnergyIsThatOfTheState) {
   const auto crank =
       std::make_shared<examples::SliderCrank>(Vec::Zero(3), Vec::Zero(3), examples::SliderCrankParameters{});
   const auto model = examples::make_slider_crank(guidance_for(GetParam()));
-  for (const Row& row : rows_of_run(model, *make_integrator(GetParam()), 1e-4, 0.03))
+  for (const Row& row : rows_of_run(model, *make_scheme(GetParam()), 1e-4, 0.03))
     EXPECT_NEAR(row.report.kinetic_energy, kinetic(*crank, row.state.q, row.state.v), 1e-12);
 }
 
@@ -89,7 +89,7 @@ TEST_P(EnergyOfImpulses, TheirWorkIsExactlyTheJumpOfTheKineticEnergy) {
   const auto model = examples::make_slider_crank(guidance_for(GetParam()));
   const int rows = model.links()[0].interaction->law().size();  // of each corner
   int impacts = 0;
-  for (const Row& row : rows_of_run(model, *make_integrator(GetParam()), 1e-5, 0.03)) {
+  for (const Row& row : rows_of_run(model, *make_scheme(GetParam()), 1e-5, 0.03)) {
     if (!row.report.impulsive) {
       EXPECT_EQ(row.report.work_impulse, 0.0);
       continue;
@@ -111,7 +111,14 @@ TEST_P(EnergyOfImpulses, TheirWorkIsExactlyTheJumpOfTheKineticEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, Energy, testing::ValuesIn(scheme_names()),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfImpulses, testing::ValuesIn(explicit_schemes()),
+// Where Λ is one impulse at the end of the step
+std::vector<std::string> single_impulse_schemes() {
+  std::vector<std::string> names = explicit_schemes();
+  std::erase(names, "TrapezoidalInTenParts");
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfImpulses, testing::ValuesIn(single_impulse_schemes()),
                          [](const auto& test) { return test.param; });
 INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfFriction, testing::ValuesIn(frictional_schemes()),
                          [](const auto& test) { return test.param; });

@@ -16,7 +16,7 @@ TEST_P(ExactImpacts, ABouncingBallHitsAndComesToRestInTime) {
   // t1 = √(2h0/g), flight k lasts 2 εᵏ t1, rest at t1 (1+ε)/(1-ε). Every impact is late by up to a step.
   const double height = 1.0, e = 0.5, dt = 1e-4;
   const double t1 = std::sqrt(2.0 * height / gravity);
-  const auto rows = rows_of_run(make_ball(height, 0.0, e), *make_integrator(GetParam()), dt, 2.0);
+  const auto rows = rows_of_run(make_ball(height, 0.0, e), *make_scheme(GetParam()), dt, 2.0);
   std::vector<double> impacts;
   for (std::size_t k = 1; k < rows.size(); ++k)
     if (rows[k].state.v[0] > rows[k - 1].state.v[0]) impacts.push_back(rows[k].state.t);
@@ -36,7 +36,7 @@ TEST_P(ExactImpacts, ABouncingBallHitsAndComesToRestInTime) {
 }
 
 TEST_P(ExactImpacts, EqualBallsExchangeTheirVelocities) {
-  const State end = run_to(make_two_balls(1.5, 1.5, 2.0, -1.0, 1.0), *make_integrator(GetParam()), 1e-3, 0.1);
+  const State end = run_to(make_two_balls(1.5, 1.5, 2.0, -1.0, 1.0), *make_scheme(GetParam()), 1e-3, 0.1);
   EXPECT_NEAR(end.v[0], -1.0, 1e-14);
   EXPECT_NEAR(end.v[1], 2.0, 1e-14);
 }
@@ -44,7 +44,7 @@ TEST_P(ExactImpacts, EqualBallsExchangeTheirVelocities) {
 TEST_P(ExactImpacts, UnequalBallsKeepMomentumAndObeyNewton) {
   const double m1 = 1.0, m2 = 3.0, v1 = 2.0, v2 = -1.0;
   for (double e : {0.0, 0.3, 1.0}) {
-    const auto rows = rows_of_run(make_two_balls(m1, m2, v1, v2, e), *make_integrator(GetParam()), 1e-3, 0.1);
+    const auto rows = rows_of_run(make_two_balls(m1, m2, v1, v2, e), *make_scheme(GetParam()), 1e-3, 0.1);
     const State& end = rows.back().state;
     EXPECT_NEAR(end.v[1] - end.v[0], -e * (v2 - v1), 1e-14);
     EXPECT_NEAR(m1 * end.v[0] + m2 * end.v[1], m1 * v1 + m2 * v2, 1e-14);
@@ -60,7 +60,7 @@ TEST_P(FrictionalImpacts, AnObliqueImpactSticksInsideTheFrictionCone) {
   const double limit = 3.5 * mu * (1.0 + e) * 3.0;
   for (double u : {0.5 * limit, 0.98 * limit, 1.02 * limit, 3.0 * limit, -0.98 * limit, -1.02 * limit}) {
     TimeStepping simulation(make_sphere(vec({0.0, 1e-3, 0.0}), vec({u, v_N, 0.0}), e, mu, r),
-                            *make_integrator(GetParam()), dt);
+                            *make_scheme(GetParam()), dt);
     while (simulation.reactions().impulse[0] == 0.0) {
       ASSERT_LT(simulation.steps(), 1000);
       simulation.step();
@@ -85,7 +85,7 @@ TEST_P(FrictionalImpacts, TangentialRestitutionReversesASuperball) {
   NonSmoothDynamicalSystem model({sphere});
   const Matrix H = (Matrix(2, 3) << 0.0, 1.0, 0.0, 1.0, 0.0, 0.1).finished();
   model.link(linear_contact(H, Vec::Zero(2), NewtonImpactFrictionNSL(1.0, 1.0, 10.0, 2), "floor"), *sphere);
-  const State end = run_to(model, *make_integrator(GetParam()), 1e-4, 0.01);
+  const State end = run_to(model, *make_scheme(GetParam()), 1e-4, 0.01);
   EXPECT_NEAR(end.v[0] + 0.1 * end.v[2], -0.7, 1e-13);
   EXPECT_NEAR(end.v[1], 3.0, 1e-13);
 }
@@ -103,7 +103,7 @@ TEST_P(FrictionalImpacts, ARockingBlockLosesWhatHousnerSays) {
   const Matrix right = (Matrix(2, 3) << 0.0, 1.0, b, 1.0, 0.0, h).finished();
   model.link(linear_contact(left, vec({-h - 1e-4, 0.0}), law, "left"), *block);
   model.link(linear_contact(right, vec({-h + 1e-7, 0.0}), law, "right"), *block);
-  TimeStepping simulation(model, *make_integrator(GetParam()), 1e-6);
+  TimeStepping simulation(model, *make_scheme(GetParam()), 1e-6);
   simulation.step();
   EXPECT_EQ(simulation.report().closed, 2);
   EXPECT_NEAR(simulation.state().v[2] / omega, 1.0 - 1.5 * sin2, 1e-12);

@@ -11,7 +11,7 @@ namespace {
 
 class ExactMotions : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<OneStepIntegrator> scheme_ = make_integrator(GetParam());
+  std::unique_ptr<OneStepIntegrator> scheme_ = make_scheme(GetParam());
 };
 
 class FrictionalMotions : public ExactMotions {};
@@ -34,7 +34,7 @@ TEST_P(FrictionalMotions, FrictionAcceleratesExactlyBesidesTheStop) {
   // Constant forces: v = v0 - mu g t to rounding, and the force at the limit of the cone.
   const double mu = 0.4, dt = 1e-3, weight = 2.0 * gravity;
   const auto rows = rows_of_run(make_block(3.0, mu), *scheme_, dt, 0.5);
-  const bool forces = scheme_entry(GetParam()).properties.forces_at_rest;
+  const bool forces = scheme_properties(GetParam()).forces_at_rest;
   for (std::size_t k = 1; k < rows.size(); ++k) {
     EXPECT_NEAR(rows[k].state.v[0], 3.0 - mu * gravity * rows[k].state.t, 1e-12);
     const Reactions& r = rows[k].reactions;
@@ -74,7 +74,7 @@ TEST_P(ExactMotions, OneStepOfConstantForce) {
   const double dt = 0.01;
   const State end = run_to(make_ball(1.0, 0.5, 0.0), *scheme_, dt, dt);
   EXPECT_NEAR(end.v[0], 0.5 - gravity * dt, 1e-15);
-  const double fall = scheme_entry(GetParam()).properties.order_free >= 2 ? 0.5 * gravity * dt * dt : 0.0;
+  const double fall = scheme_properties(GetParam()).order_free >= 2 ? 0.5 * gravity * dt * dt : 0.0;
   EXPECT_NEAR(end.q[0], 1.0 + 0.5 * dt - fall, 1e-15);
 }
 
@@ -101,7 +101,7 @@ TEST_P(ExactMotions, TimeDependentForcesAreTakenAtTheStagesTimes) {
   const NonSmoothDynamicalSystem model({std::make_shared<Driven>()}, 1.0);
   const double dt = 0.1;
   double expected = 0.0;
-  const int order = scheme_entry(GetParam()).properties.order_free;
+  const int order = scheme_properties(GetParam()).order_free;
   for (int k = 0; k < 5; ++k) {
     const double left = 1.0 + k * dt, right = left + dt;
     expected += order > 2    ? right * right * right - left * left * left

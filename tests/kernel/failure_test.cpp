@@ -47,7 +47,7 @@ class Failure : public testing::TestWithParam<std::string> {
  protected:
   // Runs until a step fails; expects this status and the state of the step before.
   void expect_failure(const NonSmoothDynamicalSystem& model, double dt, StepStatus status) {
-    TimeStepping simulation(model, *make_integrator(GetParam()), dt);
+    TimeStepping simulation(model, *make_scheme(GetParam()), dt);
     State last = simulation.state();
     bool failed = false;
     for (int k = 0; k < 100000 && !failed; ++k) {
@@ -75,7 +75,7 @@ TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
   const auto fails = std::make_shared<bool>(false);
   Failing solver(fails);
   const auto model = make_bowl(mu_taken_by(GetParam(), 0.3));
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   scheme->prepare(model, solver);
   State state{0.0, model.q0(), model.v0()};
   Reactions reactions;
@@ -96,7 +96,7 @@ TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
   *fails = false;
   State undisturbed = before;
   Reactions others = forces;
-  const auto fresh = make_integrator(GetParam());
+  const auto fresh = make_scheme(GetParam());
   Failing working(std::make_shared<bool>(false));
   fresh->prepare(model, working);
   ASSERT_EQ(fresh->step(1e-3, undisturbed, others).status, StepStatus::ok);
@@ -147,7 +147,7 @@ TEST_P(Failure, ADirectionThatIsNoNumberNamesItsContact) {
   };
   model.link(std::make_shared<Interaction>(std::make_shared<Losing>(), EqualityConditionNSL(1), "rail"),
              *point);
-  TimeStepping simulation(model, *make_integrator(GetParam()), 0.01);
+  TimeStepping simulation(model, *make_scheme(GetParam()), 0.01);
   try {
     simulation.run(1.0);
     FAIL() << "a NaN in W went unnoticed";

@@ -84,7 +84,7 @@ class NoAllocation : public testing::TestWithParam<std::string> {
 
 TEST_P(NoAllocation, SliderCrankInItsNotch) {
   const auto model = examples::make_slider_crank(guidance_for(GetParam()));
-  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-4, 200, 2000);
+  const Counted counted = count_in(model, *make_scheme(GetParam()), 1e-4, 200, 2000);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);  // else nothing of interest was counted
   EXPECT_GT(counted.closed, 5);
@@ -92,18 +92,18 @@ TEST_P(NoAllocation, SliderCrankInItsNotch) {
 
 TEST_P(NoAllocation, SliderCrankOnItsGuide) {
   const auto model = examples::make_slider_crank(examples::Guidance::equality);
-  EXPECT_EQ(count_in(model, *make_integrator(GetParam()), 1e-4, 0, 500).allocations, 0);
+  EXPECT_EQ(count_in(model, *make_scheme(GetParam()), 1e-4, 0, 500).allocations, 0);
 }
 
 TEST_P(NoAllocation, TwoSystemsInContact) {
-  const Counted counted = count_in(make_stack(0.1, 0.5), *make_integrator(GetParam()), 1e-3, 0, 2000);
+  const Counted counted = count_in(make_stack(0.1, 0.5), *make_scheme(GetParam()), 1e-3, 0, 2000);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 2);
 }
 
 TEST_P(NoAllocation, TwoBalls) {
   const Counted counted =
-      count_in(make_two_balls(1.0, 2.0, 1.0, -1.0, 0.8), *make_integrator(GetParam()), 1e-3, 0, 200);
+      count_in(make_two_balls(1.0, 2.0, 1.0, -1.0, 0.8), *make_scheme(GetParam()), 1e-3, 0, 200);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GE(counted.impacts, 1);
 }
@@ -118,7 +118,7 @@ TEST_P(NoAllocation, ContactsThatDependOnEachOther) {
   const NewtonImpactFrictionNSL law(0.3, 0.0, mu_taken_by(GetParam(), 0.2), 2);
   for (const char* name : {"left", "middle", "right"})
     model.link(linear_contact(H, vec({0.0, 0.0}), law, name), *block);
-  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  const Counted counted = count_in(model, *make_scheme(GetParam()), 1e-3, 0, 1500);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.closed, 500);
 }
@@ -126,7 +126,7 @@ TEST_P(NoAllocation, ContactsThatDependOnEachOther) {
 // Twelve rows of rank six: sliding, sticking, impacts and the sharing of loads, all in space.
 TEST_P(NoAllocation, ATableOnFourFeet) {
   const auto model = make_table(0.02, vec({1.0, 0.5, 0.0, 0.1, 0.2, 3.0}), mu_taken_by(GetParam(), 0.3), 0.3);
-  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  const Counted counted = count_in(model, *make_scheme(GetParam()), 1e-3, 0, 1500);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);
   EXPECT_GT(counted.closed, 500);
@@ -150,7 +150,7 @@ TEST_P(NoAllocation, ForceElements) {
   for (const auto& ball : {one, two})
     model.link(linear_contact((Matrix(1, 2) << 0, 1).finished(), vec({0.0}), NewtonImpactNSL(0.5), ""),
                *ball);
-  const Counted counted = count_in(model, *make_integrator(GetParam()), 1e-3, 0, 1500);
+  const Counted counted = count_in(model, *make_scheme(GetParam()), 1e-3, 0, 1500);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);
 }

@@ -12,7 +12,7 @@ namespace {
 
 class Order : public testing::TestWithParam<std::string> {
  protected:
-  const IntegratorEntry& entry() const { return scheme_entry(GetParam()); }
+  SchemeProperties properties() const { return scheme_properties(GetParam()); }
   void expect(const Orders& measured, int claimed) const {
     EXPECT_GE(measured.q, claimed - 0.2) << GetParam();
     EXPECT_GE(measured.v, claimed - 0.2) << GetParam();
@@ -23,16 +23,16 @@ class Order : public testing::TestWithParam<std::string> {
 
 TEST_P(Order, FreeFlight) {
   const double until = 0.5;
-  expect(measure_orders(make_double_pendulum(), *make_integrator(GetParam()), exact_double_pendulum(until),
-                        until, {1e-3, 5e-4, 2.5e-4, 1.25e-4}),
-         entry().properties.order_free);
+  expect(measure_orders(make_double_pendulum(), *make_scheme(GetParam()), exact_double_pendulum(until), until,
+                        {1e-3, 5e-4, 2.5e-4, 1.25e-4}),
+         properties().order_free);
 }
 
 TEST_P(Order, BilateralConstraint) {
   const double until = 0.5;
-  expect(measure_orders(make_pendulum(), *make_integrator(GetParam()), exact_pendulum(until), until,
+  expect(measure_orders(make_pendulum(), *make_scheme(GetParam()), exact_pendulum(until), until,
                         {2e-3, 1e-3, 5e-4, 2.5e-4}),
-         entry().properties.order_bilateral);
+         properties().order_bilateral);
 }
 
 class OrderOfFriction : public Order {};
@@ -40,9 +40,9 @@ class OrderOfFriction : public Order {};
 TEST_P(OrderOfFriction, Sliding) {
   const double until = 0.25, mu = 0.3;
   const auto model = make_bowl(mu);
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   expect(measure_orders(model, *scheme, exact_bowl(mu, until), until, {1e-3, 5e-4, 2.5e-4, 1.25e-4}),
-         entry().properties.order_sliding);
+         properties().order_sliding);
   // The contact must have been closed and sliding throughout, else another motion was measured.
   for (const Row& row : rows_of_run(model, *scheme, 1e-3, until))
     EXPECT_EQ(row.report.closed, 1) << row.state.t;
@@ -53,16 +53,18 @@ TEST_P(Order, BilateralConstraintDriftsNoFasterThanTheOrder) {
   const std::vector<double> dt = {2e-3, 1e-3, 5e-4};
   std::vector<double> gap, velocity;
   for (double h : dt) {
-    const State end = run_to(make_pendulum(), *make_integrator(GetParam()), h, 0.5);
+    const State end = run_to(make_pendulum(), *make_scheme(GetParam()), h, 0.5);
     gap.push_back(std::abs(end.q.norm() - 0.8));
     velocity.push_back(std::abs(end.q.dot(end.v)) / end.q.norm());
   }
-  EXPECT_GE(slope(dt, gap), entry().properties.order_bilateral - 0.2);
+  if (gap.front() > 1e-13) {  // else it is stabilised
+    EXPECT_GE(slope(dt, gap), properties().order_bilateral - 0.2);
+  }
   if (keeps_velocity_constraints(GetParam())) {
     for (double drift : velocity) EXPECT_LT(drift, 1e-12);
   } else {
     EXPECT_GT(velocity.back(), 1e-9);  // it does drift
-    EXPECT_GE(slope(dt, velocity), entry().properties.order_bilateral - 0.2);
+    EXPECT_GE(slope(dt, velocity), properties().order_bilateral - 0.2);
   }
 }
 

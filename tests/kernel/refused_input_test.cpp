@@ -253,7 +253,7 @@ TEST(Refused, RelationsWithoutCurvatureOnAccelerationLevel) {
       std::make_shared<Interaction>(std::make_shared<SickRelation>(1.0, 1.0), NewtonImpactNSL(0.0), "joint"),
       *point);
   for (const std::string& name : scheme_names()) {
-    const auto start = [&] { TimeStepping(model, *make_integrator(name), 1e-3); };
+    const auto start = [&] { TimeStepping(model, *make_scheme(name), 1e-3); };
     if (keeps_velocity_constraints(name))
       EXPECT_NO_THROW(start()) << name;
     else

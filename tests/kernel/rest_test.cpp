@@ -13,7 +13,7 @@ class Rest : public testing::TestWithParam<std::string> {
  protected:
   // Expects weight [N] in a row of the reactions, as a force or as an impulse.
   void expect_carried(const Row& row, int index, double weight, double dt) const {
-    const bool forces = scheme_entry(GetParam()).properties.forces_at_rest;
+    const bool forces = scheme_properties(GetParam()).forces_at_rest;
     EXPECT_NEAR(row.reactions.lambda_plus[index], forces ? weight : 0.0, 1e-9);
     EXPECT_NEAR(row.reactions.lambda_minus[index], forces ? weight : 0.0, 1e-9);
     EXPECT_NEAR(row.reactions.impulse[index], forces ? 0.0 : weight * dt, 1e-12);
@@ -23,7 +23,7 @@ class Rest : public testing::TestWithParam<std::string> {
 
 TEST_P(Rest, ABallOnTheFloor) {
   const double dt = 1e-3, mass = 2.0;
-  const auto rows = rows_of_run(make_ball(-1e-4, 0.0, 0.5, mass), *make_integrator(GetParam()), dt, 0.1);
+  const auto rows = rows_of_run(make_ball(-1e-4, 0.0, 0.5, mass), *make_scheme(GetParam()), dt, 0.1);
   for (std::size_t k = 1; k < rows.size(); ++k) {
     expect_carried(rows[k], 0, mass * gravity, dt);
     EXPECT_NEAR(rows[k].state.v[0], 0.0, 1e-15);
@@ -47,7 +47,7 @@ TEST_P(Rest, AColumnOfBalls) {
     const auto contact = linear_contact(H, vec({k == 0 ? -1e-9 : -1.0}), NewtonImpactNSL(0.0), "");
     model.link(contact, *balls[k == 0 ? 0 : k - 1], k == 0 ? nullptr : balls[k].get());
   }
-  const auto rows = rows_of_run(model, *make_integrator(GetParam()), dt, 0.02);
+  const auto rows = rows_of_run(model, *make_scheme(GetParam()), dt, 0.02);
   for (std::size_t step = 1; step < rows.size(); ++step)
     for (int k = 0; k < n; ++k) expect_carried(rows[step], k, (n - k) * gravity, dt);
 }
@@ -56,7 +56,7 @@ class RestByFriction : public Rest {};
 
 TEST_P(RestByFriction, ABlockOnAnInclineSticksUpToTheFrictionAngle) {
   const double angle = 0.5, dt = 1e-3, weight = 2.0 * gravity;
-  const auto scheme = make_integrator(GetParam());
+  const auto scheme = make_scheme(GetParam());
   const auto sticking = rows_of_run(make_block(0.0, std::tan(angle) + 1e-6, angle), *scheme, dt, 0.2);
   for (std::size_t k = 1; k < sticking.size(); ++k) {
     EXPECT_NEAR(sticking[k].state.v.norm(), 0.0, 1e-14);

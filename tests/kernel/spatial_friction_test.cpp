@@ -12,8 +12,8 @@ namespace {
 
 class FrictionInSpace : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<OneStepIntegrator> scheme_ = make_integrator(GetParam());
-  bool forces_at_rest_ = scheme_entry(GetParam()).properties.forces_at_rest;
+  std::unique_ptr<OneStepIntegrator> scheme_ = make_scheme(GetParam());
+  bool forces_at_rest_ = scheme_properties(GetParam()).forces_at_rest;
 
   // What keeps or slows a contact: a force where the scheme tells it apart, else an impulse over a step
   Vec force(const Row& row, double dt) const {
@@ -211,7 +211,7 @@ class SpatialLaws : public testing::TestWithParam<std::string> {};
 
 TEST_P(SpatialLaws, WithoutFrictionTheContactGuidesAndDoesNotSlow) {
   const Sledge sledge{.velocity = vec({1.0, -2.0}), .height = 0.02, .restitution = 0.0};
-  const State end = run_to(make_sledge(sledge), *make_integrator(GetParam()), 1e-3, 0.5);
+  const State end = run_to(make_sledge(sledge), *make_scheme(GetParam()), 1e-3, 0.5);
   EXPECT_NEAR(end.v[0], 1.0, 1e-13);
   EXPECT_NEAR(end.v[1], -2.0, 1e-13);
   EXPECT_NEAR(end.v[2], 0.0, 1e-12);

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 
+#include "support/half_explicit_family.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
 
@@ -29,7 +32,7 @@ TEST_P(SliderCrankRun, TheSliderDoesNotTurnBySymmetry) {
   // Corners hit in pairs and share the load equally; θ3 = 0 is unstable, so an uneven share would grow.
   const auto model = examples::make_slider_crank(guidance_for(GetParam()));
   int impacts = 0;
-  for (const Row& row : rows_of_run(model, *make_integrator(GetParam()), 1e-5, 0.1)) {
+  for (const Row& row : rows_of_run(model, *make_scheme(GetParam()), 1e-5, 0.1)) {
     ASSERT_LT(std::abs(row.state.q[2]), 1e-9) << row.state.t;
     ASSERT_LT(row.report.penetration, 1e-3) << row.state.t;
     impacts += row.report.impulsive;
@@ -88,6 +91,63 @@ TEST(SliderCrank, CurvaturesAreTheRatesOfTheJacobians) {
     Vec c = Vec::Zero(2);
     relation->curvature(In(q.data(), 3), In(v.data(), 3), Out(c.data(), 2));
     EXPECT_LT((c - (after - before) * v / (2.0 * step)).norm(), 1e-6);
+  }
+}
+
+class BilateralCrank : public testing::TestWithParam<std::string> {};
+
+// q and v at all steps
+Matrix crank_run(const OneStepIntegrator& scheme, double dt, double until) {
+  Matrix states(std::lround(until / dt), 6);
+  TimeStepping simulation(examples::make_slider_crank(Guidance::equality), scheme, dt);
+  for (Eigen::Index k = 0; k < states.rows(); ++k) {
+    simulation.step();
+    states.row(k) << simulation.state().q.transpose(), simulation.state().v.transpose();
+  }
+  return states;
+}
+
+// Differences of the coarser run from the finer one at its own times
+Matrix differences(Matrix coarse, const Matrix& fine) {
+  const auto every = fine.rows() / coarse.rows();
+  for (Eigen::Index k = 0; k < coarse.rows(); ++k) coarse.row(k) -= fine.row((k + 1) * every - 1);
+  return coarse;
+}
+
+TEST_P(BilateralCrank, HasTheOrderOfTheTableau) {
+  const double until = 0.02;
+  const int order = family_order(GetParam()).constrained;
+  const Matrix exact = crank_run(*family("HEM5", "start"), 1e-5, until);
+  const std::vector<double> dt = {2e-4, 1e-4, 5e-5};
+  for (const char* activity : {"start", "stabilised"}) {
+    std::vector<double> error_q, error_v;  // largest over the run: at single times errors may vanish
+    for (double h : dt) {
+      const Matrix error = differences(crank_run(*family(GetParam(), activity), h, until), exact);
+      error_q.push_back(error.leftCols(3).rowwise().norm().maxCoeff());
+      error_v.push_back(error.rightCols(3).rowwise().norm().maxCoeff());
+    }
+    if (GetParam() == "RK4") {  // its third-order part is so small that it only shows at smaller Δt
+      EXPECT_GE(slope(dt, error_q), order - 0.2) << activity;
+      EXPECT_GE(slope(dt, error_v), order - 0.2) << activity;
+    } else {
+      EXPECT_NEAR(slope(dt, error_q), order, 0.2) << activity;
+      EXPECT_NEAR(slope(dt, error_v), order, 0.2) << activity;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Tableaux, BilateralCrank, testing::ValuesIn(family_names()), family_test_name);
+
+TEST(BilateralCrank, ThirdOrderInTheNormOfTableTwo) {
+  // The spectral norm of all differences of q
+  const Matrix exact = crank_run(*family("HEM5", "start"), 1e-5, 0.1);
+  const std::pair<double, double> bounds[] = {{1e-3, 4e-2}, {1e-4, 1e-5}, {1e-5, 1e-7}};
+  for (const auto& [dt, bound] : bounds) {
+    const Matrix difference =
+        differences(crank_run(*family("third-order", "start"), dt, 0.1), exact).leftCols(3);
+    const Matrix squares = difference.transpose() * difference;
+    const double norm = std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix>(squares).eigenvalues().maxCoeff());
+    EXPECT_LT(norm, bound) << dt;
   }
 }
 

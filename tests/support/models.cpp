@@ -225,8 +225,8 @@ NonSmoothDynamicalSystem make_block_before_wall(double dt, double restitution) {
 }
 
 examples::Guidance guidance_for(const std::string& scheme) {
-  return scheme_entry(scheme).properties.friction ? examples::Guidance::frictional
-                                                  : examples::Guidance::frictionless;
+  return scheme_properties(scheme).friction ? examples::Guidance::frictional
+                                            : examples::Guidance::frictionless;
 }
 
 }  // namespace saltus::test

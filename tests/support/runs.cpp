@@ -89,38 +89,68 @@ bool same_bits(const Vec& a, const Vec& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
 }
 
-std::vector<std::string> scheme_names() {
+namespace {
+
+struct Variant {
+  const char* name;
+  const char* scheme;
+  Options options;
+};
+
+const std::vector<Variant>& variants() {
+  static const std::vector<Variant> table = {
+      {"TrapezoidalStabilised", "HalfExplicitTrapezoidalOSI", {{"stabilization", "position"}}},
+      {"TrapezoidalInTenParts",
+       "HalfExplicitTrapezoidalOSI",
+       {{"impulsive_substeps", 10.0}, {"impact", "keep-resting-forces"}}},
+      {"KuttaSticky", "HalfExplicitRungeKuttaOSI", {{"tableau", "Kutta3"}, {"activity", "sticky"}}},
+      {"ThirdOrderStabilised",
+       "HalfExplicitRungeKuttaOSI",
+       {{"stabilization", "position"}, {"impact", "keep-resting-forces"}}},
+  };
+  return table;
+}
+
+std::vector<std::string> schemes_with(const std::function<bool(const SchemeProperties&)>& wanted) {
   std::vector<std::string> names;
   for (const IntegratorEntry& entry : integrators()) names.push_back(entry.name);
+  for (const Variant& variant : variants()) names.push_back(variant.name);
+  std::erase_if(names, [&](const std::string& name) { return !wanted(scheme_properties(name)); });
   return names;
+}
+
+Variant scheme_called(const std::string& name) {
+  for (const Variant& variant : variants())
+    if (variant.name == name) return variant;
+  return {name.c_str(), name.c_str(), {}};
+}
+
+}  // namespace
+
+std::unique_ptr<OneStepIntegrator> make_scheme(const std::string& name) {
+  const Variant variant = scheme_called(name);
+  return make_integrator(variant.scheme, variant.options);
+}
+
+SchemeProperties scheme_properties(const std::string& name) {
+  const Variant variant = scheme_called(name);
+  return integrator_properties(variant.scheme, variant.options);
+}
+
+std::vector<std::string> scheme_names() {
+  return schemes_with([](const SchemeProperties&) { return true; });
 }
 
 std::vector<std::string> frictional_schemes() {
-  std::vector<std::string> names;
-  for (const IntegratorEntry& entry : integrators())
-    if (entry.properties.friction) names.push_back(entry.name);
-  return names;
+  return schemes_with([](const SchemeProperties& p) { return p.friction; });
 }
 
 std::vector<std::string> explicit_schemes() {
-  std::vector<std::string> names;
-  for (const IntegratorEntry& entry : integrators())
-    if (!entry.properties.implicit) names.push_back(entry.name);
-  return names;
+  return schemes_with([](const SchemeProperties& p) { return !p.implicit; });
 }
 
-const IntegratorEntry& scheme_entry(const std::string& name) {
-  for (const IntegratorEntry& entry : integrators())
-    if (entry.name == name) return entry;
-  throw std::invalid_argument("no such scheme: " + name);
-}
+bool keeps_velocity_constraints(const std::string& name) { return scheme_properties(name).velocity_level; }
 
-bool keeps_velocity_constraints(const std::string& name) {
-  return scheme_entry(name).properties.velocity_level;
-}
-
-double mu_taken_by(const std::string& name, double mu) {
-  return scheme_entry(name).properties.friction ? mu : 0.0;
-}
+double mu_taken_by(const std::string& name, double mu) { return scheme_properties(name).friction ? mu : 0.0; }
 
 }  // namespace saltus::test

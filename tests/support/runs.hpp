@@ -43,13 +43,14 @@ Vec integrate_ode(const std::function<Vec(double, const Vec&)>& f, Vec y, double
 /// Equal to the last bit.
 bool same_bits(const Vec& a, const Vec& b);
 
-/// Every scheme of the registry, to be made with the first choice of each option (the default).
+/// Every scheme of the registry with its standard options, and some with others, under names of their own.
 std::vector<std::string> scheme_names();
 /// Those of them that take friction.
 std::vector<std::string> frictional_schemes();
 /// Those that are not implicit in the forces.
 std::vector<std::string> explicit_schemes();
-const IntegratorEntry& scheme_entry(const std::string& name);
+std::unique_ptr<OneStepIntegrator> make_scheme(const std::string& name);
+SchemeProperties scheme_properties(const std::string& name);
 /// Does the scheme keep Wᵀv of bilateral constraints at zero? On acceleration level only g̈ is kept.
 bool keeps_velocity_constraints(const std::string& name);
 /// The friction coefficient if the scheme takes friction, else 0.
