@@ -18,8 +18,8 @@ const std::vector<std::string> remembering = {"sticky", "stabilised"};
 class Sticky : public testing::TestWithParam<std::string> {};
 
 // Steps that are neither in rounding nor before the asymptotic range
-std::vector<double> steps_for(int order, double until) {
-  const int first = order > 3 ? 20 : 40;
+std::vector<double> steps_for(int order, double until, int of_high_order) {
+  const int first = order > 3 ? of_high_order : 40;
   return {until / first, until / (2 * first), until / (4 * first), until / (8 * first)};
 }
 
@@ -30,7 +30,7 @@ TEST_P(Sticky, SlidingFromGapZeroKeepsTheOrderWithoutASingleImpact) {
     for (double mu : {0.0, 0.3}) {
       const auto scheme = family(GetParam(), activity);
       const auto model = make_touching_bowl(mu, 0.5);
-      const std::vector<double> dt = steps_for(order, until);
+      const std::vector<double> dt = steps_for(order, until, 10);
       const Orders orders = measure_orders(model, *scheme, exact_touching_bowl(mu, until), until, dt);
       EXPECT_NEAR(orders.q, order, 0.2) << activity;
       EXPECT_NEAR(orders.v, order, 0.2) << activity;
@@ -44,27 +44,39 @@ TEST_P(Sticky, SlidingFromGapZeroKeepsTheOrderWithoutASingleImpact) {
     }
 }
 
+TEST_P(Sticky, SlidingFromAPenetrationKeepsTheOrderWithThePlainRuleAsWell) {
+  const double until = 0.25, mu = 0.3;
+  const int order = family_order(GetParam()).constrained;
+  for (const char* activity : {"start", "sticky", "stabilised"}) {
+    const Orders orders = measure_orders(make_bowl(mu), *family(GetParam(), activity), exact_bowl(mu, until),
+                                         until, steps_for(order, until, 10));
+    EXPECT_NEAR(orders.q, order, 0.2) << activity;
+    EXPECT_NEAR(orders.v, order, 0.2) << activity;
+  }
+}
+
 TEST_P(Sticky, OrdersOfBilateralConstraintsAndOfFlightStayWhatTheyAre) {
   const double until = 0.5;
   const TableauOrder order = family_order(GetParam());
   for (const std::string& activity : remembering) {
     const auto scheme = family(GetParam(), activity);
     const Orders rod = measure_orders(make_pendulum(), *scheme, exact_pendulum(until), until,
-                                      steps_for(order.constrained, until));
+                                      steps_for(order.constrained, until, 20));
     EXPECT_NEAR(rod.q, order.constrained, 0.2) << activity;
     EXPECT_NEAR(rod.v, order.constrained, 0.2) << activity;
     const Orders flight = measure_orders(make_double_pendulum(), *scheme, exact_double_pendulum(until), until,
-                                         steps_for(order.free, until));
+                                         steps_for(order.free, until, 20));
     EXPECT_NEAR(flight.q, order.free, 0.2) << activity;
     EXPECT_NEAR(flight.v, order.free, 0.2) << activity;
   }
 }
 
-TEST_P(Sticky, ABilateralConstraintStaysClosedOverAMillionSteps) {
+TEST_P(Sticky, ABilateralConstraintStaysClosed) {
   const double dt = 1e-3;
+  const int steps = GetParam() == "third-order" ? 1'000'000 : 100'000;
   TimeStepping simulation(make_pendulum(), *family(GetParam(), "stabilised"), dt);
   double gap = 0.0, velocity = 0.0;
-  for (int k = 0; k < 1'000'000; ++k) {
+  for (int k = 0; k < steps; ++k) {
     simulation.step();
     const Vec& q = simulation.state().q;
     gap = std::max(gap, std::abs(q.norm() - 0.8));

@@ -42,16 +42,6 @@ TEST(Tableau, ClassicRungeKuttaHasOrderFourAndThreeUnderConstraints) {
 }
 TEST(Tableau, Hem5HasOrderFive) { expect_orders(hem5_tableau(), 5, 5, {2.5e-2, 1.25e-2, 6.25e-3}); }
 
-TEST(Tableau, SlidingWithFrictionKeepsTheOrder) {
-  for (const auto& [tableau, order] : {std::pair(heun_tableau(), 2), std::pair(kutta3_tableau(), 3)}) {
-    const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
-    const Orders orders =
-        measure_orders(make_bowl(0.3), scheme, exact_bowl(0.3, 0.25), 0.25, {6.25e-4, 3.125e-4, 1.5625e-4});
-    EXPECT_GE(orders.q, order - 0.2) << tableau.name;
-    EXPECT_GE(orders.v, order - 0.2) << tableau.name;
-  }
-}
-
 TEST(Tableau, EveryStageCarriesTheWeightAtRest) {
   for (const Tableau& tableau : tableaux()) {
     const HalfExplicit scheme("under test", tableau, HalfExplicitSettings{});
