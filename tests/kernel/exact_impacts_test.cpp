@@ -111,9 +111,10 @@ TEST_P(FrictionalImpacts, ARockingBlockLosesWhatHousnerSays) {
   EXPECT_GT(simulation.reactions().impulse[2], 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, ExactImpacts, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, ExactImpacts, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalImpacts, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalImpacts,
+                         testing::ValuesIn(and_accurate_ones(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

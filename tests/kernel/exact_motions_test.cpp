@@ -111,9 +111,10 @@ TEST_P(ExactMotions, TimeDependentForcesAreTakenAtTheStagesTimes) {
   EXPECT_NEAR(run_to(model, *scheme_, dt, 1.5).v[0], expected, 1e-13);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, ExactMotions, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, ExactMotions, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalMotions, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, FrictionalMotions,
+                         testing::ValuesIn(and_accurate_ones(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 TEST(Stability, TheVelocityLevelSchemeIsStableUpToOmegaDtOfTwo) {

@@ -159,7 +159,7 @@ TEST_P(Failure, ADirectionThatIsNoNumberNamesItsContact) {
   EXPECT_TRUE(simulation.state().v.allFinite());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, Failure, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, Failure, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
 INSTANTIATE_TEST_SUITE_P(Schemes, Divergence, testing::ValuesIn(explicit_schemes()),
                          [](const auto& test) { return test.param; });

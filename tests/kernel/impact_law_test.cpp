@@ -40,7 +40,7 @@ TEST_P(ImpactLaw, NewtonsLawHoldsInEveryPhase) {
   EXPECT_NEAR(e.highest, 0.3, 1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, ImpactLaw, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, ImpactLaw, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
 
 TEST(HalfExplicitImpact, RestitutionIsExactForConstantForces) {

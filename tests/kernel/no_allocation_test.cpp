@@ -155,7 +155,7 @@ TEST_P(NoAllocation, ForceElements) {
   EXPECT_GT(counted.impacts, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
 
 TEST(Counting, SeesEveryKindOfAllocation) {

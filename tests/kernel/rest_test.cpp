@@ -70,9 +70,9 @@ TEST_P(RestByFriction, ABlockOnAnInclineSticksUpToTheFrictionAngle) {
   EXPECT_GT(slid.v[0], 1e-7);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, Rest, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, Rest, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, RestByFriction, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, RestByFriction, testing::ValuesIn(and_accurate_ones(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -184,7 +184,7 @@ TEST_P(FrictionInSpace, ATurningTableIsStoppedByTheMomentOfItsFeet) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, FrictionInSpace, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, FrictionInSpace, testing::ValuesIn(and_accurate_ones(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 TEST(HalfExplicitFriction, BothForcesOfASlidingStepPointAgainstTheVelocityAtItsEnd) {
@@ -218,7 +218,7 @@ TEST_P(SpatialLaws, WithoutFrictionTheContactGuidesAndDoesNotSlow) {
   EXPECT_LT(std::abs(end.q[2]), 2e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, SpatialLaws, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, SpatialLaws, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST_P(SliderCrankRun, TheSliderDoesNotTurnBySymmetry) {
   EXPECT_GT(impacts, 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, SliderCrankRun, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, SliderCrankRun, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
 
 TEST(SliderCrank, FreeFlightKeepsTheEnergy) {

@@ -49,6 +49,8 @@ std::vector<std::string> scheme_names();
 std::vector<std::string> frictional_schemes();
 /// Those that are not implicit in the forces.
 std::vector<std::string> explicit_schemes();
+/// Also those that are too accurate for the steps with which orders of all schemes are measured.
+std::vector<std::string> and_accurate_ones(std::vector<std::string> names);
 std::unique_ptr<OneStepIntegrator> make_scheme(const std::string& name);
 SchemeProperties scheme_properties(const std::string& name);
 /// Does the scheme keep Wᵀv of bilateral constraints at zero? On acceleration level only g̈ is kept.

@@ -31,7 +31,10 @@ HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettin
                                 ": positions can only be stabilised with sticky activity, without it a "
                                 "contact that is pulled to g = 0 opens by rounding");
   s_ = tableau_.stages() - 1;
-  ordered_ = std::is_sorted(tableau_.c.begin(), tableau_.c.end());
+  // Stages that do not follow each other in time cannot tell when a contact opens, closes or sticks within a
+  // step: their multipliers would throw it up, or to and fro, by a part of h Δt again and again.
+  if (settings_.activity != Activity::predicted && !std::is_sorted(tableau_.c.begin(), tableau_.c.end()))
+    in_order_ = std::make_unique<HalfExplicit>(name_, third_order_tableau(), settings_);
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
   for (int l = 1; l <= s_ + 1; ++l) {
@@ -58,7 +61,8 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
   }
   if (settings_.stabilized) projection_ = std::make_unique<PositionProjection>(layout_);
   for (auto* contacts : {&start_, &active_}) contacts->reserve(layout_->contacts.size());
-  for (auto* flags : {&in_start_, &waits_}) flags->assign(layout_->contacts.size(), 0);
+  in_start_.assign(layout_->contacts.size(), 0);
+  if (in_order_) in_order_->prepare(model, solver);
   q_.setZero(layout_->n);
   for (Vec* x : {&gamma_, &impulse_}) x->setZero(layout_->rows);
 }
@@ -67,13 +71,13 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   StepReport report;
   begin(state, reactions);
   if (!stage(0, state.t, dt, report)) return report;
-  find_waiting(dt);
   for (int l = 1; l <= s_; ++l)
     if (!row(l, dt, report) || !stage(l, state.t, dt, report)) return report;
   if (!move_to_end(dt, report)) return report;
   report.impulsive = newly_closed();
   const bool continues = !report.impulsive || settings_.impact == ImpactRule::keep_resting_forces;
   if (continues && !row(s_ + 1, dt, report)) return report;
+  if (in_order_ && changes_contacts(continues ? s_ : s_ - 1)) return in_order_->step(dt, state, reactions);
   if (report.impulsive && !impact(dt, report)) return report;
   take_work(dt, report);
   commit(dt, state, reactions, report);
@@ -100,19 +104,6 @@ bool HalfExplicit::is_held(int contact, const State& state) {
   if (!(at(0).gaps()[slot.gap] <= at(0).gap_tolerance(contact, 0))) return false;
   at(0).relative_velocity(contact, state.v, gamma_.data() + slot.row);
   return std::abs(gamma_[slot.row]) <= at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
-}
-
-// Contacts that open at the start of the step, where stages do not follow each other in time: these cannot
-// tell when such a contact comes back, their multipliers would throw it up again by a part of h Δt.
-void HalfExplicit::find_waiting(double dt) {
-  if (ordered_) return;
-  const Stage& first = stages_[0];
-  for (int k : start_) {
-    const auto& contact = layout_->contacts[k];
-    at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
-    const double zero = 10.0 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
-    waits_[k] = !contact.law->bilateral && gamma_[contact.row] > zero;
-  }
 }
 
 // q_i with M, W and gaps, (64), pulled back to the constraints where no impact follows
@@ -225,7 +216,7 @@ void HalfExplicit::choose_active(int l, const Configuration& constraint) {
   active_.clear();
   const bool sticky = settings_.activity == Activity::sticky;
   for (int k : start_)
-    if (l <= s_ ? !waits_[k] : sticky || constraint.closed(k)) active_.push_back(k);
+    if (l <= s_ || sticky || constraint.closed(k)) active_.push_back(k);
 }
 
 // g̈ at the stage of the multiplier, times the time that it acts: (40), (49)-(50)
@@ -252,6 +243,26 @@ void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double 
 bool HalfExplicit::newly_closed() {
   for (int k : at(s_ + 1).closed_contacts())
     if (!in_start_[k]) return true;
+  return false;
+}
+
+// Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last?
+bool HalfExplicit::changes_contacts(int last) const {
+  for (int k : start_) {
+    const auto& slot = layout_->contacts[k];
+    if (slot.law->bilateral) continue;
+    const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
+    auto state = [&](int stage) {
+      const double* lambda = stages_[stage].lambda.data() + slot.row;
+      if (!(lambda[0] > 0.0)) return 0;
+      if (!law) return 1;
+      const double size = std::hypot(lambda[1], law->dim == 3 ? lambda[2] : 0.0);
+      const bool slides = size >= law->mu * lambda[0] * (1.0 - default_tolerance);
+      return !slides ? 1 : law->dim == 3 || lambda[1] > 0.0 ? 2 : 3;
+    };
+    for (int stage = 1; stage <= last; ++stage)
+      if (state(stage) != state(0)) return true;
+  }
   return false;
 }
 
