@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Real
+from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from saltus import _core, registry
 from saltus._core import NonSmoothDynamicalSystemBase
@@ -113,4 +116,15 @@ def _of_module(text: str, module: ModuleType) -> Model:
     if reference is not None and not isinstance(reference, str):
         raise ValueError(f"'{text}': REFERENCE must be a text INTEGRATOR@DT, got {reference!r}")
     summary = (module.__doc__ or "").partition("\n")[0]
-    return Model(text, summary, build, numbers["TIME_STEP"], numbers["UNTIL"], reference)
+
+    def build_it() -> Any:
+        try:
+            return build()
+        except Exception as error:
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            place = f"{Path(where.filename).name}, line {where.lineno}"
+            raise ValueError(
+                f"build() of '{text}' failed: {type(error).__name__}: {error} ({place})"
+            ) from error
+
+    return Model(text, summary, build_it, numbers["TIME_STEP"], numbers["UNTIL"], reference)

@@ -88,6 +88,28 @@ def test_misuse_exits_with_2(tmp_path, arguments):
     assert saltus(*arguments, cwd=tmp_path).returncode == 2
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["bench", "nonsense"], "no model named 'nonsense'"),
+        (["bench", "ball-in-box", "--integrator", "Nonsense"], "no integrator named 'Nonsense'"),
+        (["compare", "ball-in-box", "--json", "."], "expected a file to write, got the folder '.'"),
+        (
+            ["converge", "ball-in-box", "--time-steps", "1e-3,1e-2", "--picture", "a.xyz"],
+            "must end in one of",
+        ),
+        (["compare", "broken.py"], "build() of 'broken.py' failed: ZeroDivisionError: "),
+    ],
+)
+def test_misuse_is_one_line_before_anything_is_computed(tmp_path, arguments, message):
+    (tmp_path / "broken.py").write_text("def build():\n    return 1 / 0\n")
+    result = saltus(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+
+
 COMPARE = ["compare", "ball-in-box", "--integrators", "HalfExplicitTrapezoidalOSI,MoreauJeanOSI(theta=1)"]
 BASELINE = ["--baseline", "ExplicitMoreauJeanOSI"]
 

@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from saltus.cli.junit import to_junit
-from saltus.cli.out import require_writable, save
+from saltus.cli.out import require_picture, require_writable, save
 from saltus.cli.progress import progress_bar
 from saltus.compare import Comparison, Row, compare, converge
 from saltus.registry import split_specs
@@ -85,6 +85,7 @@ def run_converge(
 ) -> None:
     """Measure orders, print and draw them. Raises as `run`."""
     quiet = _require_targets([picture, *([] if json_to is None else [json_to])])
+    require_picture(picture)
     with progress_bar() as show:
         found = converge(
             model, split_specs(integrators), time_steps=to_numbers(time_steps), progress=show, **settings
@@ -198,8 +199,11 @@ def _require_targets(paths: Sequence[Path]) -> bool:
     if len(to_stdout) > 1:
         raise ValueError("only one output can go to stdout, got '-' more than once")
     for path in paths:
-        if str(path) != "-":
-            require_writable(path.parent)
+        if str(path) == "-":
+            continue
+        if path.is_dir():
+            raise ValueError(f"expected a file to write, got the folder '{path}'")
+        require_writable(path.parent)
     return bool(to_stdout)
 
 

@@ -26,6 +26,13 @@ def require_writable(out: Path) -> None:
         raise OSError(error.errno or 0, reason) from error
 
 
+def require_picture(path: Path) -> None:
+    """Raise ValueError if no picture can be written under that name."""
+    known = sorted(Figure().canvas.get_supported_filetypes())
+    if path.suffix.removeprefix(".").lower() not in known:
+        raise ValueError(f"a picture must end in one of .{', .'.join(known)}, got '{path}'")
+
+
 def write_json(content: Any, path: Path) -> None:
     """Write JSON that people can read."""
     path.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
