@@ -66,27 +66,38 @@ class TestOscillator {
   double rate_;
 };
 
-// @param unstable  a Δt beyond the limit
-double largest_stable(const TestOscillator& oscillator, double unstable) {
+// Largest Δt up to which it grows by at most `bound` in a period, below one where it grows by more
+double largest_within(const TestOscillator& oscillator, double bound, double unstable) {
   double stable = smallest / oscillator.rate();
-  if (stable >= unstable || !(oscillator.growth(stable) <= rounding)) return 0.0;
+  if (stable >= unstable || !(oscillator.growth(stable) <= bound)) return 0.0;
   for (int k = 0; k < halvings && unstable / stable > 1.0 + 1e-12; ++k) {
     const double middle = std::sqrt(stable * unstable);
-    (oscillator.growth(middle) <= rounding ? stable : unstable) = middle;
+    (oscillator.growth(middle) <= bound ? stable : unstable) = middle;
   }
   return stable;
+}
+
+// 0 if it grows at every Δt: if little enough, a small one hides it, but not half of that beyond rounding
+double largest_stable(const TestOscillator& oscillator, double unstable) {
+  const double limit = largest_within(oscillator, rounding, unstable), half = 0.5 * limit;
+  const double noise = 2.0 * std::numbers::pi * 2e-15 / (oscillator.rate() * half);
+  return limit > 0.0 && oscillator.growth(half) <= noise ? limit : 0.0;
 }
 
 }  // namespace
 
 std::string Instability::message(const std::string& scheme) const {
-  std::string text = "time_step = " + number(time_step) + " s is beyond the stability limit of " + scheme +
+  std::string text = "time_step = " + number(time_step) + " s is too large for " + scheme +
                      ": the free motion of system " + std::to_string(system) +
                      " with omega = " + number(omega) + " rad/s";
   if (decay > 0.0) text += ", damped with 2 zeta omega = " + number(decay) + " 1/s,";
   text += " grows by a factor of " + number(growth) + " in a period";
-  return text + (largest_stable > 0.0 ? "; the largest stable time_step is " + number(largest_stable) + " s"
-                                      : "; no time_step is stable without more damping");
+  if (largest_stable > 0.0)
+    return text + "; the largest stable time_step is " + number(largest_stable) + " s";
+  text += "; no time_step is stable without more damping";
+  if (largest_harmless > 0.0)
+    text += ", up to " + number(largest_harmless) + " s it grows by less than 1 % in a period";
+  return text;
 }
 
 std::optional<Instability> find_instability(const NonSmoothDynamicalSystem& model,
@@ -98,8 +109,13 @@ std::optional<Instability> find_instability(const NonSmoothDynamicalSystem& mode
     const double growth = oscillator.growth(time_step);
     if (!(growth > largest)) continue;
     largest = growth;
-    worst = {time_step,        std::sqrt(std::max(mode.stiffness, 0.0)), mode.damping, mode.system,
-             std::exp(growth), largest_stable(oscillator, time_step)};
+    worst = {time_step,
+             std::sqrt(std::max(mode.stiffness, 0.0)),
+             mode.damping,
+             mode.system,
+             std::exp(growth),
+             largest_stable(oscillator, time_step),
+             largest_within(oscillator, std::log1p(harmless), time_step)};
   }
   return worst;
 } catch (const std::exception&) {

@@ -8,12 +8,13 @@ namespace saltus {
 
 /// A free oscillation that a scheme lets grow.
 struct Instability {
-  double time_step;       ///< Δt [s]
-  double omega;           ///< frequency ω of the mode without damping [rad/s]
-  double decay;           ///< 2ζω, its damping [1/s]
-  int system;             ///< that moves most in it
-  double growth;          ///< factor in a period, or in a step if that is longer
-  double largest_stable;  ///< Δt below which it does not grow [s]; 0 if it always does
+  double time_step;         ///< Δt [s]
+  double omega;             ///< frequency ω of the mode without damping [rad/s]
+  double decay;             ///< 2ζω, its damping [1/s]
+  int system;               ///< that moves most in it
+  double growth;            ///< factor in a period, or in a step if that is longer
+  double largest_stable;    ///< Δt below which it does not grow [s]; 0 if it always does
+  double largest_harmless;  ///< Δt below which it grows by less than 1 % in a period [s]; 0 if there is none
 
   /// A sentence that names all of these.
   std::string message(const std::string& scheme) const;
