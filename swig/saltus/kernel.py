@@ -200,7 +200,7 @@ def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class StabilityWarning(UserWarning):
-    """The time step is beyond the stability limit of the scheme: free oscillations grow."""
+    """The time step is too large for the scheme: free oscillations grow by more than 1 % in a period."""
 
 
 class TimeStepping(_core.TimeSteppingBase):
@@ -230,8 +230,8 @@ class TimeStepping(_core.TimeSteppingBase):
     -----
     StabilityWarning
         If the fastest free oscillation of the linear time-invariant systems, with the force elements between
-        them, grows by more than 1 % in a period; it names the largest stable Δt. Contacts and systems that
-        are not linear are not judged.
+        them, grows by more than 1 % in a period; it names the largest Δt at which it does not grow, or, if
+        it always does, by less than that. Contacts and systems that are not linear are not judged.
     """
 
     def __init__(
@@ -260,7 +260,7 @@ class TimeStepping(_core.TimeSteppingBase):
         layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
         provenance = Provenance(
             scheme.name,
-            _plain(scheme.options),
+            _plain(_storable(scheme.options)),
             float(time_step),
             solver,
             int(record_every),
