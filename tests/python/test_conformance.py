@@ -7,7 +7,9 @@ import saltus.kernel as sk
 from saltus import conformance, registry
 from saltus.cli.app import app
 from saltus.conformance import measure
+from saltus.conformance.defects import Mended, drift, from_touch
 from saltus.conformance.models import double_pendulum, exact_double_pendulum
+from saltus.examples.extending.trapezoidal_moreau import TrapezoidalMoreauOSI
 from typer.testing import CliRunner
 
 PREDICTED = "HalfExplicitTrapezoidalOSI(activity=predicted)"
@@ -142,6 +144,76 @@ def test_the_known_defects_are_seen_where_they_are():
     assert half[turning].measured == pytest.approx(1.0, abs=0.1)
     assert turning not in acceleration
     assert acceleration["order of q, lasting contact"].measured == pytest.approx(1.0, abs=0.1)
+
+
+FROM_TOUCH = [f"order of {symbol}, sliding from g = 0" for symbol in "qv"]
+IMPACTS = "sliding from g = 0: impacts in four runs"
+DRIFT = "bilateral constraint, Δt = 1 ms: |g| [m]"
+JUMP = "jump of a block at rest by an impact / (ε g Δt)"
+DEPTH = "penetration at an impact / (speed Δt): largest"
+ERROR = "error of q across an impact, Δt = 1 ms [m]"
+
+
+def runge_kutta(options):
+    return figures(f"HalfExplicitRungeKuttaOSI({options})")
+
+
+def test_what_an_option_mends_is_judged_with_it_alone():
+    plain = runge_kutta("tableau=Kutta3")
+    for name in (*FROM_TOUCH, IMPACTS, DRIFT, JUMP):
+        assert not plain[name].expected
+    for name in FROM_TOUCH:
+        assert plain[name].measured == pytest.approx(2.0, abs=0.1)  # of a third-order scheme
+    assert plain[IMPACTS].measured >= 4
+    assert plain[DRIFT].measured > 1e-10
+    assert plain[JUMP].measured == pytest.approx(1.0, abs=1e-12)
+
+    sticky = runge_kutta("tableau=Kutta3, activity=sticky")
+    stabilised = runge_kutta("tableau=Kutta3, stabilization=position")
+    for found in (sticky, stabilised):
+        for name in FROM_TOUCH:
+            assert found[name].measured == pytest.approx(3.0, abs=0.1)
+            assert (found[name].ok, found[name].expected) == (True, ">= 2.8")
+        assert (found[IMPACTS].measured, found[IMPACTS].expected) == (0, "0")
+    assert not sticky[DRIFT].expected
+    assert (stabilised[DRIFT].ok, stabilised[DRIFT].expected) == (True, "<= 1e-12")
+
+    keeping = runge_kutta("impact=keep-resting-forces")[JUMP]
+    assert (keeping.ok, keeping.expected) == (True, "<= 1e-9")
+    assert keeping.measured == 0.0
+
+
+def test_impulsive_steps_in_ten_parts_make_a_tenth_of_depth_and_error():
+    whole, parts = runge_kutta(""), runge_kutta("impulsive_substeps=10")
+    assert parts[DEPTH].measured == pytest.approx(0.1, rel=0.02)
+    assert whole[ERROR].measured / parts[ERROR].measured == pytest.approx(10.0, rel=0.1)
+
+
+def test_an_option_that_mends_nothing_is_bad():
+    class IdleOSI(TrapezoidalMoreauOSI):
+        properties = {"order_free": 2, "forces_at_rest": True}
+
+        def __init__(self):
+            super().__init__()
+            self.stabilization = "position"
+            self.impact = "keep-resting-forces"
+
+    options = IdleOSI().options
+    for found in (drift(IdleOSI, holds=Mended.by(options).drift), from_touch(IdleOSI, 0.3, 2, holds=True)):
+        assert not all(finding.ok for finding in found)
+    assert Mended.by(options) == Mended(opening=True, drift=True, jump=True)
+
+
+HALF_EXPLICIT = [
+    f"HalfExplicitRungeKuttaOSI(tableau={tableau}, {activity})"
+    for tableau in ("Heun", "third-order", "Kutta3", "RK4", "HEM5")
+    for activity in ("activity=start", "activity=sticky", "activity=predicted", "stabilization=position")
+]
+
+
+@pytest.mark.parametrize("spec", HALF_EXPLICIT)
+def test_every_half_explicit_scheme_keeps_its_claims(spec):
+    assert [str(finding) for finding in conformance.check(spec) if not finding.ok] == []
 
 
 def test_properties_follow_the_options():

@@ -3,9 +3,9 @@
 Against its properties: orders in free motion, under a bilateral constraint and in sliding friction, from
 slopes over several Δt against independent solutions; Newton's impact law, in one long fall and in 1000 phases
 of a step; a ball at rest; equal runs to the last bit; refusal of friction where it is not taken. Without a
-verdict: the stability limit, and the known defects of such schemes. For integrators of the library, of
-plugins and of Python classes alike, with or without options: ``saltus conformance NAME``. ``docs/schemes``
-quotes it.
+verdict: the stability limit, and the known defects of such schemes, unless an option mends them. For
+integrators of the library, of plugins and of Python classes alike, with or without options: ``saltus
+conformance NAME``. ``docs/schemes`` quotes it.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from saltus.conformance.measure import (
 from saltus.conformance.models import (
     MU,
     RADIUS,
+    SLIDE,
     SUNKEN,
     bowl,
     double_pendulum,
@@ -66,7 +67,9 @@ def findings(spec: str) -> Iterator[Finding]:
     yield from orders("free motion", claims["order_free"], make, double_pendulum, free, 0.5, FREE_STEPS)
     yield from orders("bilateral constraint", claims["order_bilateral"], make, pendulum, swing, 0.25)
     if claims["friction"]:
-        yield from orders("sliding", claims["order_sliding"], make, bowl, exact_swing(MU, SUNKEN, 0.25), 0.25)
+        yield from orders(
+            "sliding", claims["order_sliding"], make, bowl, exact_swing(MU, SUNKEN, SLIDE), SLIDE
+        )
     else:
         yield refusal(make)
     if claims["impact_law"]:
@@ -75,4 +78,9 @@ def findings(spec: str) -> Iterator[Finding]:
     yield from rest(make, forces=claims["forces_at_rest"])
     yield repeats(make)
     yield stability_limit(make)
-    yield from defects(make, friction=claims["friction"])
+    yield from defects(
+        make,
+        friction=claims["friction"],
+        order_sliding=claims["order_sliding"],
+        forces=claims["forces_at_rest"],
+    )

@@ -18,6 +18,7 @@ GRAVITY = 9.81  # [m/s²]
 RADIUS, START, RATE = 0.8, 0.3, 3.0  # swing: [m], [rad], [rad/s]
 SUNKEN = RADIUS + 1e-4  # of a point in the bowl [m]
 MU = 0.3
+SLIDE = 0.2  # while a point slides in the bowl: at 0.25 s it nearly stands still [s]
 SLEDGE = [0.3, 0.0, 1.0, 2.0]  # x, y [m], their rates [m/s]
 SPRINGS = [20.0, 60.0]  # along x and y [N/m]
 
@@ -124,8 +125,8 @@ class Circle(sk.LagrangianScleronomousR):
             out[1] = -area * (q[0] * v[0] + q[1] * v[1]) / r**3
 
 
-def _on_circle(law: sk.NonSmoothLaw, radius: float) -> sk.NonSmoothDynamicalSystem:
-    q, v = _swing_state(START, RATE)
+def _on_circle(law: sk.NonSmoothLaw, radius: float, start: float = START) -> sk.NonSmoothDynamicalSystem:
+    q, v = _swing_state(start, RATE)
     weight = [0.0, -2 * GRAVITY]
     point = sk.LagrangianLinearTIDS(radius * q, radius * v, 2 * np.eye(2), external_force=weight)
     system = sk.NonSmoothDynamicalSystem([point])
@@ -148,18 +149,27 @@ def smooth_bowl() -> sk.NonSmoothDynamicalSystem:
     return _on_circle(sk.NewtonImpactNSL(0.0), SUNKEN)
 
 
+def touching_bowl(mu: float) -> sk.NonSmoothDynamicalSystem:
+    """A point that slides from the bottom of the bowl, where g = 0 to the last bit; an impact would show."""
+    restitution = 0.5
+    law = sk.NewtonImpactFrictionNSL(restitution, 0.0, mu, 2) if mu else sk.NewtonImpactNSL(restitution)
+    return _on_circle(law, RADIUS, start=0.0)
+
+
 def _swing_state(angle: float, rate: float) -> tuple[FloatArray, FloatArray]:
     return np.array([sin(angle), -cos(angle)]), rate * np.array([cos(angle), sin(angle)])
 
 
-def exact_swing(mu: float, radius: float, until: float) -> tuple[FloatArray, FloatArray]:
+def exact_swing(
+    mu: float, radius: float, until: float, start: float = START
+) -> tuple[FloatArray, FloatArray]:
     """Q and v of pendulum and bowl by an ordinary differential equation of the angle."""
 
     def rates(t: float, y: FloatArray) -> list[float]:
         pressure = radius * y[1] ** 2 + GRAVITY * cos(y[0])
         return [y[1], -(GRAVITY * sin(y[0]) + mu * pressure * np.sign(y[1])) / radius]
 
-    angle, rate = _integrate(rates, [START, RATE], until)
+    angle, rate = _integrate(rates, [start, RATE], until)
     q, v = _swing_state(angle, rate)
     return radius * q, radius * v
 
