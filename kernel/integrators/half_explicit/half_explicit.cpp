@@ -31,10 +31,9 @@ HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettin
                                 ": positions can only be stabilised with sticky activity, without it a "
                                 "contact that is pulled to g = 0 opens by rounding");
   s_ = tableau_.stages() - 1;
-  // Stages that do not follow each other in time cannot tell when a contact opens, closes or sticks within a
-  // step: their multipliers would throw it up, or to and fro, by a part of h Δt again and again.
-  if (settings_.activity != Activity::predicted && !std::is_sorted(tableau_.c.begin(), tableau_.c.end()))
-    in_order_ = std::make_unique<HalfExplicit>(name_, third_order_tableau(), settings_);
+  in_order_ = std::is_sorted(tableau_.c.begin(), tableau_.c.end());
+  if (s_ > 1 && settings_.activity != Activity::predicted)
+    simple_ = std::make_unique<HalfExplicit>(name_, heun_tableau(), settings_);
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
   for (int l = 1; l <= s_ + 1; ++l) {
@@ -62,7 +61,7 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
   if (settings_.stabilized) projection_ = std::make_unique<PositionProjection>(layout_);
   for (auto* contacts : {&start_, &active_}) contacts->reserve(layout_->contacts.size());
   in_start_.assign(layout_->contacts.size(), 0);
-  if (in_order_) in_order_->prepare(model, solver);
+  if (simple_) simple_->prepare(model, solver);
   q_.setZero(layout_->n);
   for (Vec* x : {&gamma_, &impulse_}) x->setZero(layout_->rows);
 }
@@ -71,13 +70,15 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   StepReport report;
   begin(state, reactions);
   if (!stage(0, state.t, dt, report)) return report;
+  if (simple_ && approaches(dt)) return simple_->step(dt, state, reactions);
   for (int l = 1; l <= s_; ++l)
     if (!row(l, dt, report) || !stage(l, state.t, dt, report)) return report;
   if (!move_to_end(dt, report)) return report;
   report.impulsive = newly_closed();
   const bool continues = !report.impulsive || settings_.impact == ImpactRule::keep_resting_forces;
   if (continues && !row(s_ + 1, dt, report)) return report;
-  if (in_order_ && changes_contacts(continues ? s_ : s_ - 1)) return in_order_->step(dt, state, reactions);
+  if (simple_ && !in_order_ && changes_contacts(continues ? s_ : s_ - 1))
+    return simple_->step(dt, state, reactions);
   if (report.impulsive && !impact(dt, report)) return report;
   take_work(dt, report);
   commit(dt, state, reactions, report);
@@ -104,6 +105,20 @@ bool HalfExplicit::is_held(int contact, const State& state) {
   if (!(at(0).gaps()[slot.gap] <= at(0).gap_tolerance(contact, 0))) return false;
   at(0).relative_velocity(contact, state.v, gamma_.data() + slot.row);
   return std::abs(gamma_[slot.row]) <= at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
+}
+
+// Is a contact of C_i still approaching, at t0 or after an impact elsewhere? A multiplier has to stop it
+// within the first stage, and the other stages of a scheme of higher order would throw it back.
+bool HalfExplicit::approaches(double dt) {
+  const Stage& first = stages_[0];
+  for (int k : start_) {
+    const auto& contact = layout_->contacts[k];
+    if (contact.law->bilateral) continue;
+    at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
+    if (gamma_[contact.row] < -10.0 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt))
+      return true;
+  }
+  return false;
 }
 
 // q_i with M, W and gaps, (64), pulled back to the constraints where no impact follows
@@ -246,7 +261,9 @@ bool HalfExplicit::newly_closed() {
   return false;
 }
 
-// Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last?
+// Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last? Stages
+// that do not follow each other in time cannot tell when it changes: their multipliers would throw it up, or
+// to and fro, by a part of h Δt again and again.
 bool HalfExplicit::changes_contacts(int last) const {
   for (int k : start_) {
     const auto& slot = layout_->contacts[k];

@@ -75,6 +75,7 @@ class HalfExplicit final : public OneStepIntegrator {
   void choose_active(int l, const Configuration& constraint);
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
+  bool approaches(double dt);
   bool changes_contacts(int last) const;
   bool impacts(int contact);
   void hold(double dt, bool impulsive, std::vector<unsigned char>& held);
@@ -87,6 +88,7 @@ class HalfExplicit final : public OneStepIntegrator {
   Tableau tableau_;
   HalfExplicitSettings settings_;
   int s_;                           // rows 1..s_, output s_+1
+  bool in_order_;                   // the stages follow each other in time
   std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
   std::vector<char> same_as_last_;  // per row: its position is that of the row before
 
@@ -97,10 +99,10 @@ class HalfExplicit final : public OneStepIntegrator {
   std::unique_ptr<ContactStage> contacts_;
   std::vector<Stage> stages_;  // 0..s_+1
   std::unique_ptr<PositionProjection> projection_;
-  std::unique_ptr<HalfExplicit> in_order_;  // takes the steps that stages out of order cannot
-  std::vector<int> start_;                  // C_i
-  std::vector<unsigned char> in_start_;     // the same as flags
-  std::vector<int> active_;                 // of the contact problem at hand
+  std::unique_ptr<HalfExplicit> simple_;  // Heun's tableau, for steps in which more stages do harm
+  std::vector<int> start_;                // C_i
+  std::vector<unsigned char> in_start_;   // the same as flags
+  std::vector<int> active_;               // of the contact problem at hand
   Vec q_, gamma_, impulse_;
 };
 
