@@ -75,13 +75,17 @@ void register_class(const std::string& name, const std::string& summary, const p
 }
 
 TableauOrder claimed_order(const py::object& order) {
-  try {
-    if (py::isinstance<py::int_>(order)) return {order.cast<int>(), 0};
-    const auto [free, constrained] = order.cast<std::pair<int, int>>();
-    return {free, constrained};
-  } catch (const py::cast_error&) {
-    throw py::type_error("order must be a whole number or two of them, got " + std::string(py::repr(order)));
-  }
+  const auto whole = [&](py::handle value) {
+    const bool is_it = PyIndex_Check(value.ptr()) && !py::isinstance<py::bool_>(value);
+    const int number = is_it ? py::int_(py::reinterpret_borrow<py::object>(value)).cast<int>() : -1;
+    if (number < 0)
+      throw py::type_error("order must be a whole number, or two of them, from 0 on; got " +
+                           std::string(py::repr(order)));
+    return number;
+  };
+  if (!py::isinstance<py::sequence>(order) || py::len(order) != 2) return {whole(order), 0};
+  const py::sequence both = order;
+  return {whole(both[0]), whole(both[1])};
 }
 
 void bind_tableau(py::module_& module) {
@@ -174,14 +178,6 @@ void bind_report(py::module_& module) {
       .def_readwrite("work_impulse", &StepReport::work_impulse, "of Λ [J]");
 }
 
-// All options of a scheme of the registry, those not given with their standard value.
-Options complete_options(const std::string& name, Options given) {
-  for (const IntegratorEntry& entry : integrators())
-    if (entry.name == name)
-      for (const SchemeOption& option : entry.options) given.emplace(option.name, option.standard);
-  return given;
-}
-
 // What the registry was asked for, or, of an object that a Python class made by itself, its numbers and
 // words.
 py::dict options_of(const py::object& self) {
@@ -214,7 +210,7 @@ ContactStage cannot do raises StepFailure: let it pass, the simulation reports i
       "make_integrator",
       [](const std::string& name, const Options& options) {
         const py::object scheme = py::cast(make_integrator(name, options));
-        scheme.attr("_options") = complete_options(scheme.attr("name").cast<std::string>(), options);
+        scheme.attr("_options") = integrator_options(scheme.attr("name").cast<std::string>(), options);
         return scheme;
       },
       py::arg("name"), py::arg("options") = Options{},

@@ -26,11 +26,20 @@ PositionProjection::PositionProjection(const std::shared_ptr<const Layout>& layo
       assembly_(gap_rows_, one_block_a_system(*layout)),
       pulled_(layout->contacts.size(), 0),
       q_(Vec::Zero(layout->n)) {
-  violated_.reserve(layout->contacts.size());
+  for (auto* contacts : {&violated_, &bilateral_}) contacts->reserve(layout->contacts.size());
   dense_.reserve(std::min(layout->gaps, 256));  // beyond, it grows when it is first needed
 }
 
 void PositionProjection::pull(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse) {
+  iterate(held, at, inverse);
+  bilateral_.clear();
+  for (int k : held)
+    if (layout_->contacts[k].law->bilateral) bilateral_.push_back(k);
+  if (bilateral_.size() < held.size()) iterate(bilateral_, at, inverse);  // they come first in a conflict
+}
+
+void PositionProjection::iterate(const std::vector<int>& held, Configuration& at,
+                                 const BlockInverse& inverse) {
   std::fill(pulled_.begin(), pulled_.end(), 0);
   double before = INFINITY;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {

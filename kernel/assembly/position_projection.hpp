@@ -21,13 +21,14 @@ class PositionProjection {
   void pull(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse);
 
  private:
+  void iterate(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse);
   void aim_below_zero(Configuration& at);
   double take_violated(const std::vector<int>& held, Configuration& at);
 
   std::shared_ptr<const Layout> layout_, gap_rows_;
   ContactAssembly assembly_;  // of the rows of gaps
   DenseSolve dense_;
-  std::vector<int> violated_;
+  std::vector<int> violated_, bilateral_;
   std::vector<unsigned char> pulled_;  // contacts, once they were violated
   Vec q_;
 };

@@ -29,12 +29,18 @@ StepReport ImpactRefinement::step(double dt, State& state, Reactions& reactions)
   if (whole.status != StepStatus::ok || !whole.impulsive) return whole;
   state = state_before_;
   reactions = reactions_before_;
-  const StepReport report = parts(dt / parts_, state, reactions);
-  if (report.status != StepStatus::ok) {
+  const auto restore = [&] {
     state = state_before_;
     reactions = reactions_before_;
+  };
+  try {
+    const StepReport report = parts(dt / parts_, state, reactions);
+    if (report.status != StepStatus::ok) restore();
+    return report;
+  } catch (...) {  // a model that throws
+    restore();
+    throw;
   }
-  return report;
 }
 
 StepReport ImpactRefinement::parts(double dt, State& state, Reactions& reactions) {

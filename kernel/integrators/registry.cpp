@@ -55,27 +55,33 @@ const SchemeOption substeps_option = {
 const std::vector<SchemeOption> velocity_level_options = {activity_option, stabilization_option,
                                                           impact_option, substeps_option};
 
-HalfExplicitSettings velocity_level_settings(const std::string& scheme, const Options& options) {
+void imply_on_velocity_level(Options& options) {
+  const bool stabilized = word(options, "stabilization") == "position";
+  if (word(options, "activity") == "predicted") {
+    if (stabilized)
+      throw std::invalid_argument("stabilization = position takes the activity sticky, got predicted");
+    if (word(options, "impact") == "keep-resting-forces")
+      throw std::invalid_argument(
+          "impact = keep-resting-forces takes no activity predicted, which lets contacts that were open "
+          "carry "
+          "forces");
+  }
+  if (stabilized) options["activity"] = "sticky";
+}
+
+HalfExplicitSettings velocity_level_settings(const Options& options) {
   HalfExplicitSettings settings;
   const std::string& activity = word(options, "activity");
-  settings.stabilized = word(options, "stabilization") == "position";
-  if (settings.stabilized && activity == "predicted")
-    throw std::invalid_argument(scheme + ": stabilization = position takes the activity sticky, got " +
-                                activity);
-  const bool keeps = word(options, "impact") == "keep-resting-forces";
-  if (keeps && activity == "predicted")
-    throw std::invalid_argument(scheme +
-                                ": impact = keep-resting-forces takes no activity predicted, which "
-                                "lets contacts that were open carry forces");
   if (activity == "predicted") settings.activity = Activity::predicted;
-  if (activity == "sticky" || settings.stabilized) settings.activity = Activity::sticky;
-  if (keeps) settings.impact = ImpactRule::keep_resting_forces;
+  if (activity == "sticky") settings.activity = Activity::sticky;
+  if (word(options, "impact") == "keep-resting-forces") settings.impact = ImpactRule::keep_resting_forces;
+  settings.stabilized = word(options, "stabilization") == "position";
   return settings;
 }
 
 std::unique_ptr<OneStepIntegrator> make_on_velocity_level(const std::string& scheme, const Tableau& tableau,
                                                           const Options& options) {
-  auto integrator = std::make_unique<HalfExplicit>(scheme, tableau, velocity_level_settings(scheme, options));
+  auto integrator = std::make_unique<HalfExplicit>(scheme, tableau, velocity_level_settings(options));
   const double parts = std::get<double>(options.at("impulsive_substeps"));
   if (!(parts >= 1.0 && parts <= most_substeps) || parts != std::floor(parts))
     throw std::invalid_argument(scheme + ": impulsive_substeps must be a whole number from 1 to " +
@@ -154,6 +160,7 @@ OptionValue checked(const std::string& scheme, const SchemeOption& option, const
                               (word && !option.choices.empty() ? "'" + *word + "'" : kinds[value.index()]));
 }
 
+// Every option, also those that are implied.
 Options complete(const IntegratorEntry& entry, const Options& given) {
   Options all;
   std::vector<std::string> known;
@@ -168,6 +175,11 @@ Options complete(const IntegratorEntry& entry, const Options& given) {
       throw std::invalid_argument(entry.name + " has no option '" + name + "', its options: " + join(known));
     all[name] = checked(entry.name, *option, value);
   }
+  if (entry.imply) try {
+      entry.imply(all);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(entry.name + ": " + error.what());
+    }
   return all;
 }
 
@@ -213,6 +225,7 @@ Registry<IntegratorEntry>& table() {
                [](const Options& options) {
                  return make_on_velocity_level(trapezoidal_name, trapezoidal_tableau(), options);
                },
+           .imply = imply_on_velocity_level,
            .properties_with =
                [](const Options& options) { return velocity_level_properties({2, 2}, options); }},
           {.name = runge_kutta_name,
@@ -224,6 +237,7 @@ Registry<IntegratorEntry>& table() {
                [](const Options& options) {
                  return make_on_velocity_level(runge_kutta_name, tableau_of(options), options);
                },
+           .imply = imply_on_velocity_level,
            .properties_with =
                [](const Options& options) {
                  return velocity_level_properties(order_of(tableau_of(options)), options);
@@ -243,6 +257,10 @@ std::string load_integrator(const std::string& library_and_class) { return table
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options) {
   const IntegratorEntry& entry = table().find(name);
   return entry.make(complete(entry, options));
+}
+
+Options integrator_options(std::string_view name, const Options& options) {
+  return complete(table().find(name), options);
 }
 
 SchemeProperties integrator_properties(std::string_view name, const Options& options) {

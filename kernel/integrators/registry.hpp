@@ -44,6 +44,8 @@ struct IntegratorEntry {
   std::vector<SchemeOption> options;
   SchemeProperties properties;
   std::function<std::unique_ptr<OneStepIntegrator>(const Options&)> make;  ///< every option is given
+  /// Sets options that others imply, every option given, and refuses those that contradict each other.
+  std::function<void(Options&)> imply = {};
   /// What holds with other options than the standard ones, every option given; empty: the same.
   std::function<SchemeProperties(const Options&)> properties_with = {};
 };
@@ -63,6 +65,9 @@ std::string load_integrator(const std::string& library_and_class);
 /// @param name  in the table, or "library:Class" of a plugin, which is loaded then
 /// @throws std::invalid_argument if there is no such integrator, option or choice, naming those there are
 std::unique_ptr<OneStepIntegrator> make_integrator(std::string_view name, const Options& options = {});
+
+/// All options with which make_integrator() makes it. @throws as make_integrator()
+Options integrator_options(std::string_view name, const Options& options = {});
 
 /// What holds for a scheme with these options. @throws as make_integrator()
 SchemeProperties integrator_properties(std::string_view name, const Options& options = {});

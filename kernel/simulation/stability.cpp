@@ -94,9 +94,9 @@ std::string Instability::message(const std::string& scheme) const {
   text += " grows by a factor of " + number(growth) + " in a period";
   if (largest_stable > 0.0)
     return text + "; the largest stable time_step is " + number(largest_stable) + " s";
-  text += "; no time_step is stable without more damping";
+  text += "; without more damping it grows at every small time_step";
   if (largest_harmless > 0.0)
-    text += ", up to " + number(largest_harmless) + " s it grows by less than 1 % in a period";
+    text += ", up to " + number(largest_harmless) + " s by less than 1 % in a period";
   return text;
 }
 

@@ -13,7 +13,7 @@ struct Instability {
   double decay;             ///< 2ζω, its damping [1/s]
   int system;               ///< that moves most in it
   double growth;            ///< factor in a period, or in a step if that is longer
-  double largest_stable;    ///< Δt below which it does not grow [s]; 0 if it always does
+  double largest_stable;    ///< Δt below which it does not grow [s]; 0 if it grows at small ones
   double largest_harmless;  ///< Δt below which it grows by less than 1 % in a period [s]; 0 if there is none
 
   /// A sentence that names all of these.

@@ -12,6 +12,7 @@ import importlib.util
 import inspect
 import re
 import sys
+from numbers import Real
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -51,9 +52,11 @@ class IntegratorFactory:
                 raise TypeError(f"{self.name}: {key} is given twice")
             given[key] = value
         for key, value in given.items():
-            if not isinstance(value, (int, float, str, Tableau)):
+            if isinstance(value, bool) or not isinstance(value, (Real, str, Tableau)):
                 kind = type(value).__name__
                 raise TypeError(f"{self.name}: {key} must be a number, a word or a Tableau, got {kind}")
+            if isinstance(value, Real):  # of numpy as well
+                given[key] = float(value)
         return _core.make_integrator(self.name, given)
 
     def __repr__(self) -> str:

@@ -85,6 +85,27 @@ TEST(HalfExplicitImpact, AClosedApproachingContactAtTheStartIsTakenPlastically) 
     }
 }
 
+TEST(HalfExplicitImpact, NoTableauThrowsBackWhatAMultiplierStops) {
+  // Two stages with b_0 > a_10: left alone, the output row would push with b_0/a_10 times what was needed.
+  const Matrix A = (Matrix(2, 2) << 0.0, 0.0, 0.1, 0.0).finished();
+  const Tableau far = runge_kutta("far", A, vec({0.9, 0.1}));
+  const auto scheme = make_integrator("HalfExplicitRungeKuttaOSI", {{"tableau", far}});
+  EXPECT_NEAR(run_to(make_ball(0.0, -1.0, 0.5), *scheme, 1e-3, 1e-3).v[0], 0.0, 1e-13);
+  // A bilateral velocity that is inconsistent at t0 stops at once, and nothing that it carries jumps.
+  auto ball = [](double q, double v) {
+    return std::make_shared<LagrangianLinearTIDS>(
+        vec({q}), vec({v}), Matrix::Identity(1, 1),
+        LagrangianLinearTIDS::Terms{.external_force = vec({-gravity})});
+  };
+  auto lower = ball(0.0, 0.0), upper = ball(1.0, -1.0);
+  NonSmoothDynamicalSystem model({lower, upper});
+  model.link(linear_contact(Matrix::Identity(1, 1), vec({0.0}), NewtonImpactNSL(0.0), "floor"), *lower);
+  model.link(linear_contact((Matrix(1, 2) << -1.0, 1.0).finished(), vec({-1.0}), EqualityConditionNSL(1), ""),
+             *lower, upper.get());
+  for (const std::string& tableau : family_names())
+    EXPECT_NEAR(run_to(model, *family(tableau, "sticky"), 1e-3, 2e-3).v.norm(), 0.0, 1e-12) << tableau;
+}
+
 TEST(HalfExplicitImpact, AnImpactActsOnEveryClosedContact) {
   // The upper block hits the lower one that rests on the floor: Newton's law in both contacts at once.
   // v⁻ lacks the floor's force (55), so the lower block arrives with -g Δt.

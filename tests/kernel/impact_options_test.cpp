@@ -28,14 +28,14 @@ TEST_P(ImpactOptions, ABlockThatHitsAWallLeavesTheFloorOnlyWithThePapersRule) {
       EXPECT_NEAR(reactions.lambda_minus[1], keeps ? 2.0 * gravity : 0.0, 1e-9) << activity;
       EXPECT_NEAR(reactions.force[1], keeps ? 2.0 * gravity : 0.0, 1e-9) << activity;
       EXPECT_NEAR(reactions.impulse[0], 2.0 * (1.0 + restitution), 1e-13) << activity;
-      double jump = 0.0;
+      double jump = -1.0;
       for (int k = 0; k < 10; ++k) {
         simulation.step();
         jump = std::max(jump, simulation.state().q[1]);
       }
       // Stabilised, the small jump may be caught and pulled back at once.
       if (keeps || std::string(activity) != "stabilised") {
-        EXPECT_EQ(jump == 0.0, keeps) << activity;
+        EXPECT_EQ(jump <= 0.0, keeps) << activity;
       }
     }
 }
@@ -113,6 +113,34 @@ TEST(ImpactRefinement, StepsWithoutImpactAreUntouched) {
   const auto model = make_pendulum();
   EXPECT_TRUE(same_bits(run_to(model, *family("RK4", "start"), 1e-3, 0.3).q,
                         run_to(model, *family("RK4", "start", {{"impulsive_substeps", 10.0}}), 1e-3, 0.3).q));
+}
+
+TEST(ImpactRefinement, AModelThatThrowsLeavesTheStepUntaken) {
+  struct Ball final : LagrangianDS {
+    Ball() : LagrangianDS(vec({0.01}), vec({0.0})) {}
+    void mass(const In&, OutMatrix M) const override { M(0, 0) = 1.0; }
+    void forces(double, const In&, const In&, Out h) const override {
+      if (--left == 0) throw std::runtime_error("no force today");
+      h[0] = -gravity;
+    }
+    mutable long left = 1'000'000;
+  };
+  const auto floor = linear_contact(Matrix::Identity(1, 1), vec({0.0}), NewtonImpactNSL(0.5), "floor");
+  const auto scheme = family("Heun", "start", {{"impulsive_substeps", 10.0}});
+  const auto ball = std::make_shared<Ball>(), clean = std::make_shared<Ball>();
+  NonSmoothDynamicalSystem model({ball}), other({clean});
+  model.link(floor, *ball);
+  other.link(floor, *clean);
+  TimeStepping simulation(model, *scheme, 1e-3), expected(other, *scheme, 1e-3);
+  for (int k = 0; k < 45; ++k) simulation.step();
+  ball->left = 8;  // within a part of the impulsive step
+  const State before = simulation.state();
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  EXPECT_TRUE(same_bits(simulation.state().q, before.q));
+  EXPECT_TRUE(same_bits(simulation.state().v, before.v));
+  simulation.run(0.1);
+  expected.run(0.1);
+  EXPECT_TRUE(same_bits(simulation.state().q, expected.state().q));
 }
 
 TEST(ImpactRefinement, RefusesPartsThatAreNone) {

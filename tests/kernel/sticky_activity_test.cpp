@@ -148,6 +148,58 @@ TEST_P(Sticky, TheFrictionalCrankImpactsNoMoreThanWithThePlainRule) {
 
 INSTANTIATE_TEST_SUITE_P(Tableaux, Sticky, testing::ValuesIn(family_names()), family_test_name);
 
+TEST(Hem5, AnUnloadedContactCostsNoOrder) {
+  // A point on a spring along a wall that does not press it: λ is zero up to rounding in every stage.
+  const double k = 30.0, until = 1.0, w = std::sqrt(k);
+  const Vec t = vec({std::cos(0.3), std::sin(0.3)}), n = vec({-std::sin(0.3), std::cos(0.3)});
+  const auto point = std::make_shared<LagrangianLinearTIDS>(
+      0.3 * t - 1e-4 * n, t, Matrix::Identity(2, 2),
+      LagrangianLinearTIDS::Terms{.stiffness = Matrix(k * t * t.transpose())});
+  NonSmoothDynamicalSystem model({point});
+  model.link(linear_contact(n.transpose(), vec({0.0}), NewtonImpactNSL(0.0), "wall"), *point);
+  const State exact{until, (0.3 * std::cos(w) + std::sin(w) / w) * t - 1e-4 * n,
+                    (-0.3 * w * std::sin(w) + std::cos(w)) * t};
+  for (const char* activity : {"start", "sticky", "stabilised"}) {
+    const Orders orders =
+        measure_orders(model, *family("HEM5", activity), exact, until, {1.0 / 40, 1.0 / 80, 1.0 / 160});
+    EXPECT_GE(orders.q, 3.8) << activity;  // between the coarsest two it is 3.8: the free motion's
+    EXPECT_GE(orders.v, 3.8) << activity;
+  }
+}
+
+TEST(Sticky, AContactThatHasLostItsGroundIsNotHeld) {
+  // A table that ends at x = 0.1: the gap jumps to 1 m.
+  class Table final : public Relation {
+   public:
+    Table() : Relation(1) {}
+    void gap(const In& q, Out g) const override { g[0] = q[0] < 0.1 ? q[1] : q[1] + 1.0; }
+    void jacobian(const In&, OutMatrix J) const override { J << 0.0, 1.0; }
+  };
+  for (const std::string& tableau : family_names())
+    for (const std::string& activity : remembering) {
+      auto block = std::make_shared<LagrangianLinearTIDS>(
+          vec({0.0, 0.0}), vec({1.0, 0.0}), Matrix::Identity(2, 2),
+          LagrangianLinearTIDS::Terms{.external_force = vec({0.0, -gravity})});
+      NonSmoothDynamicalSystem model({block});
+      model.link(std::make_shared<Interaction>(std::make_shared<Table>(), NewtonImpactNSL(0.0)), *block);
+      const State end = run_to(model, *family(tableau, activity), 1e-3, 0.3);
+      EXPECT_NEAR(end.q[1], -0.5 * gravity * 0.2 * 0.2, 5e-3) << tableau << activity;
+    }
+}
+
+TEST(Stabilization, BilateralConstraintsComeFirst) {
+  // y = d as an equality and y >= 0 as a contact that carries the weight: both cannot be at g = 0.
+  const double d = 1e-6;
+  auto block = std::make_shared<LagrangianLinearTIDS>(
+      vec({0.0, 0.0}), vec({1.0, 0.0}), Matrix::Identity(2, 2),
+      LagrangianLinearTIDS::Terms{.external_force = vec({0.0, -gravity})});
+  NonSmoothDynamicalSystem model({block});
+  const Matrix up = (Matrix(1, 2) << 0.0, 1.0).finished();
+  model.link(linear_contact(up, vec({-d}), EqualityConditionNSL(1), "equality"), *block);
+  model.link(linear_contact(up, vec({0.0}), NewtonImpactNSL(0.3), "contact"), *block);
+  EXPECT_NEAR(run_to(model, *family("third-order", "stabilised"), 1e-3, 0.1).q[1], d, 1e-15);
+}
+
 TEST(Stabilization, AProjectionChangesTheEnergyOfTheCrankByLessThanAMillionth) {
   // The same step with and without: what remains between them is the projection.
   const auto model = examples::make_slider_crank(examples::Guidance::equality);

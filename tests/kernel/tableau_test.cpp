@@ -87,6 +87,14 @@ TEST(Tableau, RefusesWhatCannotWork) {
         t.c[1] = -1.0;
       },
       {"positive", "row 1"});
+  refused([](auto& t) { t.Av.row(1) << 1.0 - 1e-9, 1e-9; }, {"at least 1e-06", "row 2", "1e-09"});
+  refused(
+      [](auto& t) {
+        t.Ac.row(0) << 1e300, 0.0;
+        t.Av = t.Aq = t.Ac;
+        t.c[1] = 1e300;
+      },
+      {"must not exceed 1000", "1e+300", "row 1"});
   refused([](auto& t) { t.Av(0, 0) = 0.9; }, {"row 1", "sum up to 1"});
   refused([](auto& t) { t.Aq(1, 0) = 0.6; }, {"row 2", "sum up to 1"});
   refused([&](auto& t) { t.Av(1, 1) = nan; }, {"row 2"});

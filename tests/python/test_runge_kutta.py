@@ -117,9 +117,21 @@ def test_what_is_no_tableau_or_no_such_order_is_refused(A, b, order, words):
 
 
 def test_an_order_is_a_number_or_two():
-    with pytest.raises(TypeError, match="order must be a whole number or two of them, got 'high'"):
-        sk.Tableau(*RK4, order="high")
-    assert sk.Tableau(*RK4, order=4).order == (4, 3)
+    for order in ("high", "45", True, -1, (-3, 2), 2.5, (1, 2, 3)):
+        with pytest.raises(TypeError, match="order must be a whole number, or two of them, from 0 on; got "):
+            sk.Tableau(*RK4, order=order)
+    for right in (4, np.int64(4), (4, 3)):
+        assert sk.Tableau(*RK4, order=right).order == (4, 3)
+
+
+def test_options_take_numbers_of_numpy_and_say_what_runs():
+    scheme = sk.HalfExplicitTrapezoidalOSI(impulsive_substeps=np.int64(10), stabilization="position")
+    assert scheme.options["impulsive_substeps"] == 10.0
+    assert scheme.options["activity"] == "sticky"  # implied
+    run = sk.TimeStepping(ball(0.05, 0.5), scheme, 1e-3).run(0.01)
+    assert run.provenance.options["activity"] == "sticky"
+    with pytest.raises(TypeError, match="impulsive_substeps must be a number, a word or a Tableau, got bool"):
+        sk.HalfExplicitTrapezoidalOSI(impulsive_substeps=True)
 
 
 def test_a_file_keeps_the_tableau(tmp_path):
@@ -222,7 +234,7 @@ def test_heun_is_warned_about_where_its_growth_shows(omega_dt, warned, recwarn):
     assert bool(recwarn.list) is warned
     if warned:
         text = str(recwarn.pop(sk.StabilityWarning).message)
-        assert "no time_step is stable without more damping, up to 0.233" in text
+        assert "without more damping it grows at every small time_step, up to 0.233" in text
         assert "less than 1 % in a period" in text
 
 

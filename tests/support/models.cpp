@@ -213,7 +213,7 @@ State exact_touching_bowl(double mu, double until) { return exact_on_circle(0.0,
 
 NonSmoothDynamicalSystem make_block_before_wall(double dt, double restitution) {
   const double mass = 2.0, speed = 1.0;
-  auto block = body(vec({10.5 * dt * speed, 0.0}), vec({-speed, 0.0}), Vec::Constant(2, mass),
+  auto block = body(vec({10.5 * dt * speed, -1e-9}), vec({-speed, 0.0}), Vec::Constant(2, mass),
                     {.external_force = vec({0.0, -mass * gravity})});
   NonSmoothDynamicalSystem model({block});
   const char* names[] = {"wall", "floor"};

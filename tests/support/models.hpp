@@ -80,7 +80,8 @@ NonSmoothDynamicalSystem make_touching_bowl(double mu, double restitution);
 State exact_touching_bowl(double mu, double until);
 
 /// Block of 2 kg, q = (gap of the wall, gap of the floor), that slides on the floor against a wall, without
-/// friction: it hits the wall after 10.5 steps of `dt`.
+/// friction: it hits the wall after 10.5 steps of `dt`. It lies a little below g = 0, so that rounding opens
+/// nothing.
 NonSmoothDynamicalSystem make_block_before_wall(double dt, double restitution);
 
 /// How the slider is led in a model for this scheme: with friction if the scheme takes it.

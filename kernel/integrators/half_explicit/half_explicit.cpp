@@ -32,7 +32,11 @@ HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettin
                                 "contact that is pulled to g = 0 opens by rounding");
   s_ = tableau_.stages() - 1;
   in_order_ = std::is_sorted(tableau_.c.begin(), tableau_.c.end());
-  if (s_ > 1 && settings_.activity != Activity::predicted)
+  least_weight_ = tableau_.Av.diagonal().minCoeff();
+  // λ_0 that stops a contact within the first row must not push beyond it in the output row, as b_0 > a_10
+  // does.
+  const bool throws_back = s_ > 1 || (s_ == 1 && tableau_.Av(1, 0) > tableau_.Av(0, 0));
+  if (throws_back && settings_.activity != Activity::predicted)
     simple_ = std::make_unique<HalfExplicit>(name_, heun_tableau(), settings_);
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
@@ -77,7 +81,7 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   report.impulsive = newly_closed();
   const bool continues = !report.impulsive || settings_.impact == ImpactRule::keep_resting_forces;
   if (continues && !row(s_ + 1, dt, report)) return report;
-  if (simple_ && !in_order_ && changes_contacts(continues ? s_ : s_ - 1))
+  if (simple_ && !in_order_ && changes_contacts(continues ? s_ : s_ - 1, dt))
     return simple_->step(dt, state, reactions);
   if (report.impulsive && !impact(dt, report)) return report;
   take_work(dt, report);
@@ -107,18 +111,30 @@ bool HalfExplicit::is_held(int contact, const State& state) {
   return std::abs(gamma_[slot.row]) <= at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
 }
 
-// Is a contact of C_i still approaching, at t0 or after an impact elsewhere? A multiplier has to stop it
-// within the first stage, and the other stages of a scheme of higher order would throw it back.
+// Is a contact of C_i still approaching, or a bilateral one violated, at t0 or after an impact elsewhere? A
+// multiplier has to stop it within the first stage, and the other stages of a scheme of higher order would
+// throw it back.
 bool HalfExplicit::approaches(double dt) {
   const Stage& first = stages_[0];
   for (int k : start_) {
     const auto& contact = layout_->contacts[k];
-    if (contact.law->bilateral) continue;
     at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
-    if (gamma_[contact.row] < -10.0 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt))
-      return true;
+    const double zero = 1e3 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
+    for (int i = 0; i < contact.gaps; ++i) {
+      const double gamma = gamma_[contact.row + i];
+      if (gamma < -zero || (contact.law->bilateral && gamma > zero)) return true;
+    }
   }
   return false;
+}
+
+// Can the gap at the end have drifted open? Not if it is larger than the way of the step: the geometry is
+// another one then, such as beyond the edge of a table.
+bool HalfExplicit::within_reach(int contact, double dt) {
+  const Stage& last = stages_[s_];
+  const double speed =
+      at(s_ + 1).velocity_tolerance(contact, last.v, last.acceleration, dt) / default_tolerance;
+  return at(s_ + 1).gaps()[layout_->contacts[contact].gap] <= dt * speed;
 }
 
 // q_i with M, W and gaps, (64), pulled back to the constraints where no impact follows
@@ -133,7 +149,7 @@ bool HalfExplicit::move_to_end(double dt, StepReport& report) {
     const Vec& lambda = stages_[s_ > 0 ? s_ - 1 : 0].lambda;
     for (int k : start_) {
       const auto& contact = layout_->contacts[k];
-      if (contact.law->bilateral || lambda[contact.row] > 0.0) active_.push_back(k);
+      if (contact.law->bilateral || (lambda[contact.row] > 0.0 && within_reach(k, dt))) active_.push_back(k);
     }
     projection_->pull(active_, end, at(s_));  // M of the last stage: it is close, and factorised
   }
@@ -264,29 +280,39 @@ bool HalfExplicit::newly_closed() {
 // Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last? Stages
 // that do not follow each other in time cannot tell when it changes: their multipliers would throw it up, or
 // to and fro, by a part of h Δt again and again.
-bool HalfExplicit::changes_contacts(int last) const {
-  for (int k : start_) {
+bool HalfExplicit::changes_contacts(int last, double dt) {
+  const PoolMatrix& G = contacts_->assembly().problem().G;  // of active_
+  int row = 0;
+  for (int k : active_) {
     const auto& slot = layout_->contacts[k];
+    const double tolerance = at(0).velocity_tolerance(k, stages_[0].v, stages_[0].acceleration, dt);
+    // What rounding makes of no force: an impulse that changes γ by a few times its tolerance.
+    const double zero = 100.0 * tolerance / (dt * least_weight_ * std::max(G(row, row), 1e-300));
+    row += slot.rows;
     if (slot.law->bilateral) continue;
-    const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
-    auto state = [&](int stage) {
-      const double* lambda = stages_[stage].lambda.data() + slot.row;
-      if (!(lambda[0] > 0.0)) return 0;
-      if (!law) return 1;
-      const double size = std::hypot(lambda[1], law->dim == 3 ? lambda[2] : 0.0);
-      const bool slides = size >= law->mu * lambda[0] * (1.0 - default_tolerance);
-      return !slides ? 1 : law->dim == 3 || lambda[1] > 0.0 ? 2 : 3;
-    };
     for (int stage = 1; stage <= last; ++stage)
-      if (state(stage) != state(0)) return true;
+      if (contact_state(k, stage, zero) != contact_state(k, 0, zero)) return true;
   }
-  return false;
+  return active_.size() != start_.size();  // the gap of one has opened
+}
+
+// 0 open, 1 closed or sticking, 2 and 3 sliding. @param zero  forces up to this are none [N]
+int HalfExplicit::contact_state(int contact, int stage, double zero) const {
+  const auto& slot = layout_->contacts[contact];
+  const double* lambda = stages_[stage].lambda.data() + slot.row;
+  if (!(lambda[0] > zero)) return 0;
+  const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
+  if (!law) return 1;
+  const double size = std::hypot(lambda[1], law->dim == 3 ? lambda[2] : 0.0);
+  if (size < law->mu * lambda[0] * (1.0 - 1e-9)) return 1;
+  return law->dim == 3 || lambda[1] > 0.0 ? 2 : 3;
 }
 
 // Does the impact act on this contact? It is closed, or held and pressed.
-bool HalfExplicit::impacts(int contact) {
+bool HalfExplicit::impacts(int contact, double dt) {
   if (at(s_ + 1).closed(contact)) return true;
-  if (settings_.activity != Activity::sticky || !in_start_[contact]) return false;
+  if (settings_.activity != Activity::sticky || !in_start_[contact] || !within_reach(contact, dt))
+    return false;
   const bool known = settings_.impact == ImpactRule::keep_resting_forces || s_ == 0;
   return stages_[known ? s_ : s_ - 1].lambda[layout_->contacts[contact].row] > 0.0;
 }
@@ -297,7 +323,7 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   Vec& v = stages_[s_ + 1].v;
   active_.clear();
   for (int k = 0; k < static_cast<int>(in_start_.size()); ++k)
-    if (impacts(k)) active_.push_back(k);
+    if (impacts(k, dt)) active_.push_back(k);
   if (settings_.impact == ImpactRule::paper) {
     v = stages_[0].v;
     for (int k = 0; k <= s_; ++k) add_scaled(dt * tableau_.Av(s_, k), stages_[k].acceleration, v);  // (55)
@@ -333,7 +359,7 @@ void HalfExplicit::hold(double dt, bool impulsive, std::vector<unsigned char>& h
       held[k] =
           std::abs(gamma_[row]) <= end.velocity_tolerance(k, stages_[s_].v, stages_[s_].acceleration, dt);
     } else {
-      held[k] = stages_[s_].lambda[row] > 0.0;
+      held[k] = stages_[s_].lambda[row] > 0.0 && within_reach(k, dt);
     }
   }
 }

@@ -76,8 +76,10 @@ class HalfExplicit final : public OneStepIntegrator {
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
   bool approaches(double dt);
-  bool changes_contacts(int last) const;
-  bool impacts(int contact);
+  bool changes_contacts(int last, double dt);
+  int contact_state(int contact, int stage, double zero) const;
+  bool within_reach(int contact, double dt);
+  bool impacts(int contact, double dt);
   void hold(double dt, bool impulsive, std::vector<unsigned char>& held);
   void take_work(double dt, StepReport& report);
   double lambda_power(int k);
@@ -88,6 +90,7 @@ class HalfExplicit final : public OneStepIntegrator {
   Tableau tableau_;
   HalfExplicitSettings settings_;
   int s_;                           // rows 1..s_, output s_+1
+  double least_weight_;             // smallest a_{l,l-1}, b_s
   bool in_order_;                   // the stages follow each other in time
   std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
   std::vector<char> same_as_last_;  // per row: its position is that of the row before

@@ -39,7 +39,8 @@ Tableau rk4_tableau();          ///< the classic method: 4, 3; 2.828
 Tableau hem5_tableau();
 
 /// @throws std::invalid_argument if shapes disagree, a row does not sum up to c_l (the output to 1), it
-///         uses a stage that comes after it, or Av_{l,l-1} <= 0: complementarity would change its sign
+///         uses a stage that comes after it, Av_{l,l-1} <= 0: complementarity would change its sign, or <
+///         1e-6, or an entry is beyond ±1000
 void validate(const Tableau& tableau);
 
 }  // namespace saltus

@@ -6,6 +6,12 @@
 #include "saltus/numerics/text.hpp"
 
 namespace saltus {
+namespace {
+
+// Beyond these a run is nothing but rounding.
+constexpr double least_weight = 1e-6, largest_entry = 1e3;
+
+}  // namespace
 
 Tableau trapezoidal_tableau() {
   Tableau t{"trapezoidal", Matrix(2, 2), Matrix(2, 2), Matrix(2, 2), Vec(2)};
@@ -107,6 +113,13 @@ void validate(const Tableau& t) {
     }
     const double multiplier = t.Av(l - 1, l - 1);
     if (!(multiplier > 0.0)) refuse("a_{l,l-1} must be positive in " + row + ", got " + number(multiplier));
+    if (multiplier < least_weight)
+      refuse("a_{l,l-1} must be at least " + number(least_weight) + " in " + row + ", got " +
+             number(multiplier));
+    for (const Matrix* A : {&t.Ac, &t.Av, &t.Aq})
+      if (const double largest = A->row(l - 1).cwiseAbs().maxCoeff(); !(largest <= largest_entry))
+        refuse("entries must not exceed " + number(largest_entry) + ", got " + number(largest) + " in " +
+               row);
   }
 }
 
