@@ -373,6 +373,15 @@ void bind_simulation(py::module_& module) {
            [](TimeStepping& self, py::function callback) {
              self.add_observer(std::make_shared<PythonObserver>(std::move(callback)));
            })
+      .def("watch_problems",
+           [](TimeStepping& self, const std::optional<py::function>& watcher) {
+             if (!watcher) return self.watch_problems({});
+             self.watch_problems([call = *watcher](const ContactProblem& problem, const double* P,
+                                                   const SolveReport& report) {
+               call(matrix_to_array(problem.G.view()), to_array(problem.b.view()), problem.sets,
+                    to_array(In(P, problem.rows())), std::string(to_string(report.status)));
+             });
+           })
       .def("advance",
            [](TimeStepping& self, double until, const std::function<void(double)>& progress) {
              self.set_progress([progress](double t) {

@@ -5,7 +5,9 @@
 
 #include "bindings.hpp"
 #include "python_integrators.hpp"
+#include "saltus/numerics/problems.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
+#include "saltus/numerics/text.hpp"
 
 namespace saltus::python {
 namespace {
@@ -46,6 +48,43 @@ Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<Contact
           certificate.residual,
           certificate.scale,
           report.iterations};
+}
+
+void bind_problems(py::module_& module) {
+  py::class_<ProblemSolution>(module, "ProblemSolution",
+                              "What a solver found, judged by a residual that was computed outside of it.")
+      .def_property_readonly(
+          "solution", [](const ProblemSolution& self) { return to_array(self.solution); },
+          "(rows,) z of a complementarity problem, r of a friction problem")
+      .def_property_readonly(
+          "status", [](const ProblemSolution& self) { return std::string(to_string(self.status)); },
+          "'solved', 'ray', 'iteration-limit' or 'breakdown'")
+      .def_readonly("iterations", &ProblemSolution::iterations, "of the method that answered")
+      .def_readonly("residual", &ProblemSolution::residual, "relative, as the problem's class defines it")
+      .def_readonly("solver", &ProblemSolution::solver, "the method that answered")
+      .def("__repr__", [](const ProblemSolution& self) {
+        return std::string(to_string(self.status)) + " by " + self.solver + " in " +
+               std::to_string(self.iterations) + " iterations, residual " + number(self.residual) + ", " +
+               std::to_string(self.solution.size()) + " unknowns";
+      });
+  module.def(
+      "solve_problem",
+      [](const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets,
+         const std::string& solver, double tolerance, const std::optional<ArrayLike>& warm_start) {
+        const ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
+        const Vec start = warm_start ? to_vec(*warm_start, "warm_start") : Vec(Vec::Zero(problem.rows()));
+        return solve_problem(problem, *make_contact_solver(solver), tolerance, start);
+      },
+      py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("solver"), py::arg("tolerance"),
+      py::arg("warm_start"));
+  module.def(
+      "problem_residual",
+      [](const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets, const ArrayLike& P) {
+        const ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
+        validate(problem);
+        return problem_residual(problem, to_sized_vec(P, "solution", problem.rows()).data());
+      },
+      py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("P"));
 }
 
 }  // namespace
@@ -111,6 +150,7 @@ Raises
 ValueError
     If shapes disagree, a value is not finite, or the solver does not accept the problem.
 )");
+  bind_problems(module);
   module.def(
       "solvers",
       [] {

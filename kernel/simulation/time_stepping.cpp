@@ -77,7 +77,7 @@ TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepI
   reactions_.set_zero(layout_->rows);
   state_.held.reserve(layout_->contacts.size());
   check_start();
-  integrator_->prepare(model_, *solver_);
+  integrator_->prepare(model_, solver_);
 }
 
 TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator,

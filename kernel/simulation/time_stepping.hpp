@@ -7,6 +7,7 @@
 
 #include "saltus/kernel/assembly/configuration.hpp"
 #include "saltus/kernel/simulation/observer.hpp"
+#include "saltus/numerics/observed_solver.hpp"
 
 namespace saltus {
 
@@ -41,6 +42,8 @@ class TimeStepping {
   /// Shows row 0 now, if no step was taken yet, and every row from now on.
   /// @throws std::invalid_argument if there is no observer, std::logic_error from within a step
   void add_observer(std::shared_ptr<Observer> observer);
+  /// Shows every contact problem that a step solves, from now on; an empty function ends it.
+  void watch_problems(ObservedSolver::Watcher watcher) { solver_.watch(std::move(watcher)); }
   /// Called every 0.1 s or less with the time; what it throws ends the run between two steps.
   void set_progress(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
@@ -56,7 +59,7 @@ class TimeStepping {
 
   const NonSmoothDynamicalSystem& model() const { return model_; }
   const OneStepIntegrator& integrator() const { return *integrator_; }
-  const ContactSolver& solver() const { return *solver_; }
+  const ContactSolver& solver() const { return solver_.solver(); }
   double time_step() const { return dt_; }
   long steps() const { return step_; }
   const State& state() const { return state_; }
@@ -74,7 +77,7 @@ class TimeStepping {
 
   NonSmoothDynamicalSystem model_;
   std::unique_ptr<OneStepIntegrator> integrator_;
-  std::unique_ptr<ContactSolver> solver_;
+  ObservedSolver solver_;
   double dt_;
   long step_ = 0;
   bool busy_ = false;

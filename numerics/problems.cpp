@@ -1,0 +1,109 @@
+#include "saltus/numerics/problems.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "saltus/numerics/text.hpp"
+
+namespace saltus {
+namespace {
+
+double largest(const Vec& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0.0; }
+
+// proj_K of x = (N, T...), K = { |T| <= mu N }
+void project_on_cone(double mu, Out x) {
+  auto T = x.tail(x.size() - 1);
+  const double length = T.norm();
+  if (length <= mu * x[0]) return;
+  const double along = x[0] + mu * length;  // on the edge of the cone, times 1 + mu²
+  if (along <= 0.0) {  // in the polar cone
+    x.setZero();
+    return;
+  }
+  x[0] = along / (1.0 + mu * mu);
+  T *= mu * x[0] / length;
+}
+
+// d (r - proj(r - û/d)) of one contact, in the place of u
+void natural_map(const ContactSet& set, double d, const double* r, Out u) {
+  if (std::holds_alternative<Equality>(set)) return;
+  const auto* law = std::get_if<Coulomb>(&set);
+  const Vec force = d * In(r, u.size());
+  if (law) u[0] += law->mu * u.tail(u.size() - 1).norm();  // De Saxcé
+  u = force - u;
+  if (law)
+    project_on_cone(law->mu, u);
+  else
+    u[0] = std::max(u[0], 0.0) + 0.0 * u[0];  // + NaN: it must not get lost
+  u = force - u;
+}
+
+}  // namespace
+
+double complementarity_residual(const ContactProblem& problem, const double* z) {
+  const int rows = problem.rows();
+  const In x(z, rows);
+  const Vec w = problem.G.view() * x + problem.b.view();
+  double worst = 0.0;
+  for (int i = 0; i < rows; ++i) {
+    const ContactSet& set = problem.sets[i];
+    if (std::holds_alternative<Coulomb>(set))
+      throw std::invalid_argument("complementarity residual: there must be no friction, got a Coulomb set");
+    const double entry = std::holds_alternative<Equality>(set) ? w[i] : std::min(w[i], x[i]) + 0.0 * w[i];
+    if (!(std::abs(entry) <= worst)) worst = std::abs(entry);  // NaN wins
+  }
+  if (worst == 0.0) return 0.0;
+  const double norm = problem.G.view().cwiseAbs().rowwise().sum().maxCoeff();
+  return worst / (largest(problem.b.view()) + norm * largest(x));
+}
+
+double friction_residual(const ContactProblem& problem, const double* r) {
+  const int rows = problem.rows();
+  Vec map = problem.G.view() * In(r, rows) + problem.b.view();
+  double d = largest(problem.G.view().diagonal());
+  if (d == 0.0) d = 1.0;
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    const int count = rows_of(set);
+    natural_map(set, d, r + row, Out(map.data() + row, count));
+    row += count;
+  }
+  const double size = problem.b.view().norm();
+  return map.norm() / (size > 0.0 ? size : 1.0);
+}
+
+double problem_residual(const ContactProblem& problem, const double* P) {
+  const bool friction = std::any_of(problem.sets.begin(), problem.sets.end(), [](const ContactSet& set) {
+    return std::holds_alternative<Coulomb>(set);
+  });
+  return friction ? friction_residual(problem, P) : complementarity_residual(problem, P);
+}
+
+ProblemSolution solve_problem(const ContactProblem& problem, ContactSolver& method, double tolerance,
+                              const Vec& start) {
+  validate(problem);
+  const std::string name(method.name());
+  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
+    throw std::invalid_argument("tolerance must be positive and finite, got " + number(tolerance));
+  if (start.size() != problem.rows() || !start.allFinite())
+    throw std::invalid_argument("the warm start must be finite and have " + std::to_string(problem.rows()) +
+                                " entries, got " + std::to_string(start.size()) +
+                                (start.allFinite() ? "" : " with NaN or infinity"));
+  if (!method.accepts(problem))
+    throw std::invalid_argument("the contact solver '" + name +
+                                "' does not accept this problem: its sets or its size are not among those "
+                                "it solves");
+  ProblemSolution answer{.solution = start, .status = SolveStatus::solved, .solver = name};
+  if (problem.rows() == 0) return answer;
+  method.reserve(problem.rows());
+  const SolveReport report = method.solve(problem, answer.solution.data());
+  answer.iterations = report.iterations;
+  answer.solver = report.solver;
+  answer.residual = problem_residual(problem, answer.solution.data());
+  if (!(answer.residual <= tolerance))
+    answer.status = report.status == SolveStatus::solved ? SolveStatus::breakdown : report.status;
+  return answer;
+}
+
+}  // namespace saltus
