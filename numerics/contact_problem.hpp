@@ -24,12 +24,16 @@ inline int rows_of(const ContactSet& set) {
   return coulomb ? coulomb->dim : 1;
 }
 
+/// The default bound on residual/scale of a Certificate, the paper's 1e-12 (Section 5).
+inline constexpr double default_tolerance = 1e-12;
+
 /// Find P such that xi = G P + b, and each contact's law holds between xi and P.
 /// G may be unsymmetric (half-explicit rows take W at two positions) and rank-deficient.
 struct ContactProblem {
-  PoolMatrix G;                  ///< (rows, rows) [1/kg] in mechanics
-  PoolVec b;                     ///< (rows) [m/s]
-  std::vector<ContactSet> sets;  ///< in the order of the rows
+  PoolMatrix G;                          ///< (rows, rows) [1/kg] in mechanics
+  PoolVec b;                             ///< (rows) [m/s]
+  std::vector<ContactSet> sets;          ///< in the order of the rows
+  double tolerance = default_tolerance;  ///< bound on residual/scale of a Certificate that counts as solved
 
   int rows() const { return b.size(); }
   int contacts() const { return static_cast<int>(sets.size()); }

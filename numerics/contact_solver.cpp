@@ -17,7 +17,7 @@ std::string_view to_string(SolveStatus status) {
 bool keep_if_better(const ContactProblem& problem, const double* trial, double* xi, SolveReport& report,
                     double* P) {
   const Certificate certificate = certify(problem, trial, xi);
-  const bool solved = certificate.within(default_tolerance);
+  const bool solved = certificate.within(problem.tolerance);
   if (solved || certificate.residual < report.certificate.residual) {
     report.certificate = certificate;
     std::copy_n(trial, problem.rows(), P);

@@ -7,7 +7,7 @@
 namespace saltus {
 
 enum class SolveStatus {
-  solved,           ///< the certificate is within the tolerance
+  solved,           ///< the certificate is within the problem's tolerance
   ray,              ///< it is not, and a pivoting method has come to the end of its path
   iteration_limit,  ///< it is not, and the iterations are used up
   breakdown,        ///< it is not, and the method knows no further step
@@ -15,9 +15,6 @@ enum class SolveStatus {
 
 /// "solved", "ray", "iteration-limit" or "breakdown".
 std::string_view to_string(SolveStatus status);
-
-/// The default bound on residual/scale of a Certificate, the paper's 1e-12 (Section 5).
-inline constexpr double default_tolerance = 1e-12;
 
 struct SolveReport {
   SolveStatus status = SolveStatus::solved;

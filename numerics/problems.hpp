@@ -1,5 +1,6 @@
 #pragma once
-// Problems for their own sake: complementarity and friction, with a residual that does not depend on who solves.
+// Problems for their own sake: complementarity and friction, with a residual that does not depend on who
+// solves.
 #include <string>
 
 #include "saltus/numerics/contact_solver.hpp"
@@ -8,7 +9,8 @@ namespace saltus {
 
 /// Largest entry of the natural map of a linear complementarity problem w = M z + q, mixed with equalities:
 ///   |min(z_i, w_i)|, |w_i| in a row of an Equality,
-/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M. 0 where nothing is wrong.
+/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M. 0 where nothing is
+/// wrong.
 /// @param z (rows)
 /// @throws std::invalid_argument if there is a Coulomb set
 double complementarity_residual(const ContactProblem& problem, const double* z);
@@ -24,18 +26,20 @@ double friction_residual(const ContactProblem& problem, const double* r);
 double problem_residual(const ContactProblem& problem, const double* P);
 
 struct ProblemSolution {
-  Vec solution;        ///< (rows)
-  SolveStatus status;  ///< solved only where the residual is within the tolerance
-  int iterations = 0;
+  Vec solution;           ///< (rows)
+  SolveStatus status;     ///< solved only where the residual is within the tolerance
+  int iterations = 0;     ///< of the methods that answered
   double residual = 0.0;  ///< problem_residual() of the solution
   std::string solver;     ///< name of the method that answered
 };
 
 /// Solves a problem and judges the answer by problem_residual(), whatever the method says of itself.
+/// Where that is satisfied too early it goes on with a smaller ContactProblem::tolerance.
 /// @param start  (rows) warm start
-/// @throws std::invalid_argument as validate(), if the method does not accept the problem, the tolerance is not
+/// @throws std::invalid_argument as validate(), if the method does not accept the problem, the tolerance is
+/// not
 ///         positive and finite, or the start is not finite or has another size
-ProblemSolution solve_problem(const ContactProblem& problem, ContactSolver& method, double tolerance,
+ProblemSolution solve_problem(ContactProblem problem, ContactSolver& method, double tolerance,
                               const Vec& start);
 
 }  // namespace saltus

@@ -114,7 +114,7 @@ SolveReport PyContactSolver::solve(const ContactProblem& problem, double* P) {
   std::copy_n(impulses.data(), rows, P);
   Vec xi(rows);
   report.certificate = certify(problem, P, xi.data());
-  if (!report.certificate.within(default_tolerance)) report.status = SolveStatus::breakdown;
+  if (!report.certificate.within(problem.tolerance)) report.status = SolveStatus::breakdown;
   return report;
 }
 

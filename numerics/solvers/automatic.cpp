@@ -9,6 +9,14 @@ namespace saltus {
 namespace {
 
 constexpr int most_rounds = 50;
+// Of the rounds together, counted in operations of Newton's method: seconds, where small problems take all
+// rounds.
+constexpr double most_work = 2e10;
+
+int rounds(int rows) {
+  const double work = 40.0 / 3.0 * rows * rows * rows;
+  return static_cast<int>(std::clamp(most_work / std::max(work, 1.0), 1.0, double(most_rounds)));
+}
 
 }  // namespace
 
@@ -31,7 +39,7 @@ SolveReport Automatic::solve_single(const ContactProblem& problem, double* P) {
   const bool found =
       solve_one_contact(problem.sets[0], problem.G.row(0), problem.rows(), problem.b.data(), P);
   report.certificate = certify(problem, P, xi_.data());
-  if (!found || !report.certificate.within(default_tolerance)) report.status = SolveStatus::breakdown;
+  if (!found || !report.certificate.within(problem.tolerance)) report.status = SolveStatus::breakdown;
   return report;
 }
 
@@ -42,8 +50,10 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   const int rows = problem.rows();
   trial_.resize(rows);
   sweeps_P_.resize(rows);
+  bool ray = false;
   auto improved_by = [&](ContactSolver& method, double* start) {
     const SolveReport report = method.solve(problem, start);
+    ray |= report.status == SolveStatus::ray;
     if (report.status == SolveStatus::solved || report.certificate.residual < best.certificate.residual) {
       best = report;
       std::copy_n(start, rows, P);
@@ -64,8 +74,9 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   std::fill_n(sweeps_P_.data(), rows, 0.0);
   if (improved_by_both(prox_)) return best;
   std::fill_n(sweeps_P_.data(), rows, 0.0);
-  for (int round = 0; round < most_rounds; ++round)
+  for (int round = 0; round < rounds(rows); ++round)
     if (improved_by_both(sweeps_)) return best;
+  if (ray) best.status = SolveStatus::ray;  // says more than that the iterations of the others are used up
   return best;
 }
 

@@ -8,25 +8,40 @@ bool Lemke::accepts(const ContactProblem& problem) const { return only_plane_fri
 
 void Lemke::reserve(int rows) {
   xi_.reserve(rows);
+  trial_.reserve(rows);
   z_.reserve(2 * rows);  // three unknowns for the two rows of a frictional contact
   lcp_.reserve(2 * rows);
 }
 
 SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
+  const int rows = problem.rows();
+  xi_.resize(rows);
+  SolveReport report{.solver = name()};
+  split_ = false;
+  LcpOutcome outcome = attempt(problem, P);
+  report.iterations = lcp_.pivots();
+  report.certificate = certify(problem, P, xi_.data());
+  if (report.certificate.within(problem.tolerance)) return report;
+  if (dependent_) {
+    split_ = true;
+    trial_.resize(rows);
+    outcome = attempt(problem, trial_.data());
+    report.iterations += lcp_.pivots();
+    if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
+  }
+  report.status = outcome == LcpOutcome::ray               ? SolveStatus::ray
+                  : outcome == LcpOutcome::iteration_limit ? SolveStatus::iteration_limit
+                                                           : SolveStatus::breakdown;
+  return report;
+}
+
+LcpOutcome Lemke::attempt(const ContactProblem& problem, double* P) {
   eliminate_equalities(problem);
   choose_unknowns(problem);
   fill(problem);
   const LcpOutcome outcome = lcp_.solve(z_.data());
   read(problem, P);
-  xi_.resize(problem.rows());
-  SolveReport report{.solver = name()};
-  report.iterations = lcp_.pivots();
-  report.certificate = certify(problem, P, xi_.data());
-  if (report.certificate.within(default_tolerance)) return report;
-  report.status = outcome == LcpOutcome::ray               ? SolveStatus::ray
-                  : outcome == LcpOutcome::iteration_limit ? SolveStatus::iteration_limit
-                                                           : SolveStatus::breakdown;
-  return report;
+  return outcome;
 }
 
 // P_free = -G_ff⁺ (b_f + G_fr P_rest); least squares where equalities depend on each other
@@ -36,15 +51,17 @@ void Lemke::eliminate_equalities(const ContactProblem& problem) {
   int row = 0;
   for (const ContactSet& set : problem.sets) {
     for (int i = 0; i < rows_of(set); ++i, ++row)
-      (std::holds_alternative<Equality>(set) ? free_ : rest_).push_back(row);
+      (!split_ && std::holds_alternative<Equality>(set) ? free_ : rest_).push_back(row);
   }
   const auto G = problem.G.view();
   const auto b = problem.b.view();
   G_ = G(rest_, rest_);
   b_ = b(rest_);
+  dependent_ = false;
   if (free_.empty()) return;
   const Matrix free = G(free_, free_);
   const Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(free);
+  dependent_ = decomposition.rank() < free.rows();
   particular_ = -decomposition.solve(b(free_));
   elimination_.resize(free.rows(), G_.rows());
   if (rest_.empty()) return;
@@ -56,15 +73,21 @@ void Lemke::eliminate_equalities(const ContactProblem& problem) {
 // P of the contacts = T z
 void Lemke::choose_unknowns(const ContactProblem& problem) {
   int size = 0;
-  for (const ContactSet& set : problem.sets)
-    if (!std::holds_alternative<Equality>(set)) size += std::holds_alternative<Coulomb>(set) ? 3 : 1;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<Equality>(set))
+      size += split_ ? 2 : 0;
+    else
+      size += std::holds_alternative<Coulomb>(set) ? 3 : 1;
+  }
   lcp_.resize(size);
   z_.resize(size);
   T_.setZero(G_.rows(), size);
   int row = 0, at = 0;
   for (const ContactSet& set : problem.sets) {
-    if (std::holds_alternative<Equality>(set)) continue;
-    T_(row++, at) = 1.0;
+    const bool equality = std::holds_alternative<Equality>(set);
+    if (equality && !split_) continue;
+    if (equality) T_(row, ++at) = -1.0;  // P = P⁺ − P⁻
+    T_(row++, at - equality) = 1.0;
     if (const auto* law = std::get_if<Coulomb>(&set)) {
       T_(row, at) = -law->mu;  // P_T = σ⁺ − μ P_N
       T_(row++, at + 1) = 1.0;
@@ -83,9 +106,14 @@ void Lemke::fill(const ContactProblem& problem) {
   const Matrix xi = G_ * T_;
   int row = 0, at = 0;
   for (const ContactSet& set : problem.sets) {
-    if (std::holds_alternative<Equality>(set)) continue;
+    const bool equality = std::holds_alternative<Equality>(set);
+    if (equality && !split_) continue;
     M.row(at) = xi.row(row);
     q[at++] = b_[row++];
+    if (equality) {
+      M.row(at) = -xi.row(row - 1);
+      q[at++] = -b_[row - 1];
+    }
     if (const auto* law = std::get_if<Coulomb>(&set)) {
       M.row(at) = xi.row(row);  // ξ⁺ = ξ_T + ξ⁻
       M(at, at + 1) += 1.0;

@@ -9,7 +9,7 @@ SolveReport Nsgs::solve(const ContactProblem& problem, double* P) {
   SolveReport report{.solver = name()};
   for (;; ++report.iterations) {
     report.certificate = certify(problem, P, xi_.data());
-    if (report.certificate.within(default_tolerance)) return report;
+    if (report.certificate.within(problem.tolerance)) return report;
     if (report.iterations == sweeps_) break;
     int row = 0;
     for (const ContactSet& set : problem.sets) {

@@ -74,7 +74,7 @@ SolveReport ProxFixedPoint::solve(const ContactProblem& problem, double* P) {
   double omega = 1.0, best = std::numeric_limits<double>::infinity();
   for (;; ++report.iterations) {
     report.certificate = certify(problem, P, xi_.data());
-    if (report.certificate.within(default_tolerance)) return report;
+    if (report.certificate.within(problem.tolerance)) return report;
     if (report.iterations % window == 0) {
       if (report.certificate.residual < best) {
         best = report.certificate.residual;

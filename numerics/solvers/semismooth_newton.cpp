@@ -62,7 +62,7 @@ SolveReport SemismoothNewton::solve(const ContactProblem& problem, double* P) {
   active_.modes().clear();
   for (;; ++report.iterations) {
     report.certificate = certify(problem, P, xi_.data());
-    if (report.certificate.within(default_tolerance)) return report;
+    if (report.certificate.within(problem.tolerance)) return report;
     if (report.iterations == most_iterations) {
       report.status = SolveStatus::iteration_limit;
       return report;

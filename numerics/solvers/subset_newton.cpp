@@ -71,6 +71,7 @@ void SubsetNewton::choose(const ContactProblem& problem, unsigned opened) {
 
 void SubsetNewton::restrict_to_chosen(const ContactProblem& problem) {
   const int rows = static_cast<int>(rows_.size());
+  part_.tolerance = problem.tolerance;
   part_.G.resize(rows, rows);
   part_.b.resize(rows);
   part_P_.resize(rows);

@@ -26,7 +26,7 @@ class ProjectedSor final : public ContactSolver {
     xi_.resize(rows);
     for (;; ++report.iterations) {
       report.certificate = certify(problem, P, xi_.data());
-      if (report.certificate.within(default_tolerance)) return report;
+      if (report.certificate.within(problem.tolerance)) return report;
       if (report.iterations == most_sweeps) break;
       for (int i = 0; i < rows; ++i) {
         double xi = problem.b[i];

@@ -1,7 +1,7 @@
 """Solvers of contact problems: find P such that xi = G P + b, and every contact's law holds.
 
-`lcp`, `mlcp` and `friction` solve problems for their own sake, `read_problem` reads them from files, `dump_problems`
-writes those of a simulation, `random_lcp` and `random_friction` make some.
+`lcp`, `mlcp` and `friction` solve problems for their own sake, `read_problem` reads them from files,
+`dump_problems` writes those of a simulation, `random_lcp` and `random_friction` make some.
 """
 
 from saltus._core import (
@@ -16,8 +16,8 @@ from saltus._core import (
 )
 from saltus.numerics.dump import ProblemDump, dump_problems
 from saltus.numerics.files import read_problem
-from saltus.numerics.problems import LCP, MLCP, FrictionProblem, Problem, friction, lcp, mlcp
 from saltus.numerics.generate import FRICTION_KINDS, LCP_KINDS, random_friction, random_lcp
+from saltus.numerics.problems import LCP, MLCP, FrictionProblem, Problem, friction, lcp, mlcp
 from saltus.registry import register_solver
 
 __all__ = [

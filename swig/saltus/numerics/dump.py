@@ -43,7 +43,9 @@ class ProblemDump:
         problem = stage_problem(G, b, sets)
         if problem.contacts and self._wanted(problem, status):
             path = self.folder / f"step{step:06d}-{self._number}.hdf5"
-            text = f"contact problem {self._number} of the step from t = {self._simulation.t:.17g} s, {status}"
+            text = (
+                f"contact problem {self._number} of the step from t = {self._simulation.t:.17g} s, {status}"
+            )
             fclib.write(problem, path, description=text)
             self.paths.append(path)
 
@@ -59,8 +61,8 @@ def dump_problems(
     """Write the contact problems of the steps to come to FCLib files, ``step000012-0.hdf5`` and so on.
 
     One file a problem: a step solves one or more. Contacts without friction become contacts with mu = 0,
-    equalities stay or, where their coupling is not symmetric, are eliminated (see `fclib.write`); a problem of
-    equalities alone is left out. A simulation is watched by one dump at a time: the last one.
+    equalities stay or, where their coupling is not symmetric, are eliminated (see `fclib.write`); a problem
+    of equalities alone is left out. A simulation is watched by one dump at a time: the last one.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """FCLib's HDF5 files: local problems of Coulomb friction, u = W r + V l + q, Vᵀ r + R l + s = 0.
 
-Acary, Brémond, Koziara, Pérignon: FCLIB, a collection of discrete 3D frictional contact problems, INRIA RT-444 (2014).
-Group `fclib_local`: `spacedim`; matrices `W`, and `V`, `R` if there are equalities, each with m, n, nz, nzmax, p, i, x
-(nz >= 0: triplets, -1: by columns, -2: by rows); `vectors` with q, mu, s; `info` with texts.
+Acary, Brémond, Koziara, Pérignon: FCLIB, a collection of discrete 3D frictional contact problems, RT-444.
+Group `fclib_local`: `spacedim`; matrices `W`, and `V`, `R` if there are equalities, each with m, n, nz,
+nzmax, p, i, x (nz >= 0: triplets, -1: by columns, -2: by rows); `vectors` with q, mu, s; `info` with texts.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def read(path: str | os.PathLike[str]) -> FrictionProblem:
     """Read a local problem. Raises ValueError if the file is malformed, OSError if it cannot be read."""
     with h5py.File(path, "r") as file:
         try:
-            return _read(file["fclib_local"] if "fclib_local" in file else None, Path(path).stat().st_size)
+            return _read(file.get("fclib_local"), Path(path).stat().st_size)
         except (ValueError, KeyError, TypeError) as error:
             raise ValueError(f"{os.fspath(path)}: {error}") from error
 
@@ -46,7 +46,8 @@ def _read(group: Any, bytes_of_file: int) -> FrictionProblem:
     V, R, s = reader.matrix("V"), reader.matrix("R"), reader.array("vectors/s")
     if V.shape[0] != W.shape[0] or R.shape != (V.shape[1], V.shape[1]):
         raise ValueError(f"W, V and R do not fit together: they are {W.shape}, {V.shape}, {R.shape}")
-    whole = sparse.csr_array(sparse.block_array([[W, V], [V.T, R]]))
+    blocks: Any = [[W, V], [V.T, R]]
+    whole = sparse.csr_array(sparse.block_array(blocks))
     return FrictionProblem(whole, np.concatenate([q, s]), mu, dim, n_equalities=s.size)
 
 
@@ -87,15 +88,17 @@ class _Reader:
             raise ValueError(f"'{name}/p' must rise from 0")
         i = self.array(f"{name}/i", "i", int(p[-1]))
         self._check(name, i, width)
-        kind = sparse.csc_array if nz == BY_COLUMNS else sparse.csr_array
+        kind: Any = sparse.csc_array if nz == BY_COLUMNS else sparse.csr_array
         return sparse.csr_array(kind((self.array(f"{name}/x", "f", int(p[-1])), i, p), shape=(m, n)))
 
     def _check(self, name: str, index: FloatArray, size: int) -> None:
-        if index.size and not (0 <= index.min() and index.max() < size):
+        if index.size and not (index.min() >= 0 and index.max() < size):
             raise ValueError(f"the indices of '{name}' must be from 0 to {size - 1}")
 
 
-def write(problem: Problem, path: str | os.PathLike[str], title: str = "Saltus", description: str = "") -> None:
+def write(
+    problem: Problem, path: str | os.PathLike[str], title: str = "Saltus", description: str = ""
+) -> None:
     """Write a friction problem; what is there is replaced.
 
     FCLib knows equalities only with Vᵀ as the transpose of V. Where the coupling is not symmetric, they are
@@ -143,7 +146,7 @@ def _eliminate(
     q: FloatArray,
     s: FloatArray,
 ) -> tuple[sparse.csr_array, FloatArray]:
-    """u = W r + q with l out of coupling r + R l + s = 0, the least l where R is singular."""
+    """U = W r + q with l out of coupling r + R l + s = 0, the least l where R is singular."""
     solved = np.linalg.lstsq(R.toarray(), np.column_stack([coupling.toarray(), s]))[0]
     return sparse.csr_array(W.toarray() - V @ solved[:, :-1]), q - V @ solved[:, -1]
 

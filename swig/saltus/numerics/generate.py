@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Maker = Callable[[np.random.Generator, int], tuple[FloatArray, FloatArray]]
 
-SPREAD = 6.0  #: "badly-scaled": rows and columns times 10^-SPREAD/2 … 10^SPREAD/2
+SPREAD = 6.0  #: "badly-scaled": powers of ten between the smallest and the largest entry or mass
 
 
 def random_lcp(kind: str, n: int, seed: int) -> LCP:
@@ -80,13 +80,13 @@ def _feasible(rng: np.random.Generator, M: FloatArray) -> FloatArray:
 
 
 def _gram(rng: np.random.Generator, n: int, rank: int) -> FloatArray:
-    A = rng.normal(size=(rank, n))
-    return A.T @ A
+    A: FloatArray = rng.normal(size=(rank, n))
+    return np.asarray(A.T @ A)
 
 
 def _skew(rng: np.random.Generator, n: int) -> FloatArray:
-    A = rng.normal(size=(n, n))
-    return A - A.T
+    A: FloatArray = rng.normal(size=(n, n))
+    return np.asarray(A - A.T)
 
 
 def _semidefinite(rng: np.random.Generator, n: int) -> tuple[FloatArray, FloatArray]:
@@ -146,7 +146,7 @@ LCP_KINDS = {
     "unsymmetric": "M without structure; may have no solution, or many",
     "degenerate": "M semidefinite of small whole numbers, z = w = 0 in many rows; solvable",
     "rank-deficient": "M semidefinite of rank n/3; solvable",
-    "badly-scaled": "M positive definite, rows and columns scaled by 1e-3 … 1e3; one solution",
+    "badly-scaled": "M positive definite, scaled so that entries differ by 1e6; one solution",
     "unsolvable": "no z >= 0 makes w >= 0",
 }
 #: Kinds of friction problems

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import sparse
@@ -51,10 +51,11 @@ class Problem:
         Returns
         -------
         ProblemSolution
-            ``solution`` (n,); ``status``, "solved" only where the residual, computed from the solution outside
-            the solver, is within the tolerance, else "ray", "iteration-limit" or "breakdown"; ``iterations``;
-            ``residual``; ``solver``, the method that answered. "ray" is the answer of Lemke's method where its
-            path has no end, and of "auto" where it is so and no other method finds a solution.
+            ``solution`` (n,); ``status``, "solved" only where the residual, computed from the solution
+            outside the solver, is within the tolerance, else "ray", "iteration-limit" or "breakdown";
+            ``iterations``; ``residual``; ``solver``, the method that answered. "ray" is the answer of Lemke's
+            method where its path has no end, and of "auto" where it is so and no other method finds a
+            solution.
 
         Raises
         ------
@@ -173,13 +174,15 @@ class MLCP(Problem):
 
 
 class FrictionProblem(Problem):
-    """Contacts with Coulomb friction: u = W r + q, and at every contact, with û = u + mu |u_T| n,
+    """Contacts with Coulomb friction: u = W r + q, and at every contact one of open, sticking, sliding.
 
-        |r_T| <= mu r_N,  û in the dual cone,  r·û = 0,
+    That is, with û = u + mu |u_T| n, De Saxcé's term in it,
 
-    which is: open, sticking, or sliding with friction opposed to it. The rows of a contact are its normal, then
-    its tangents. The residual is the norm of the natural map r - proj(r - û/d) as velocity, divided by that of q:
-    d |…| / |q| with d = max |W_kk|; not divided where q = 0.
+        |r_T| <= mu r_N,  û in the dual cone,  r·û = 0.
+
+    The rows of a contact are its normal, then its tangents. The residual is the norm of the natural map
+    r - proj(r - û/d) as velocity, divided by that of q: d |…| / |q| with d = max |W_kk|; not divided where
+    q = 0. So it does not depend on the units of mass and velocity.
 
     Parameters
     ----------
@@ -303,27 +306,26 @@ def stage_problem(
 
 
 def _count(value: object, what: str, most: int) -> int:
-    integral = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not integral or not 0 <= int(value) <= most:  # type: ignore[call-overload]
-        raise ValueError(f"{what} must be a whole number from 0 to {most}, got {value!r}")
-    return int(value)  # type: ignore[call-overload, no-any-return]
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and 0 <= value <= most:
+        return int(value)
+    raise ValueError(f"{what} must be a whole number from 0 to {most}, got {value!r}")
 
 
-def _matrix(values: ArrayLike | Matrix, name: str) -> Matrix:
+def _matrix(values: Any, name: str) -> Matrix:
     if not sparse.issparse(values):
         return _numbers(values, name, 2)
-    if values.dtype.kind not in "biuf":
-        raise ValueError(f"{name} must be a matrix of real numbers, got {values.dtype}")
-    if values.ndim != 2:
-        raise ValueError(f"{name} must have two axes, got shape {values.shape}")
-    matrix = sparse.csr_array(values, dtype=np.float64)
-    matrix.sum_duplicates()
+    given: Any = values
+    if given.dtype.kind not in "biuf":
+        raise ValueError(f"{name} must be a matrix of real numbers, got {given.dtype}")
+    if given.ndim != 2:
+        raise ValueError(f"{name} must have two axes, got shape {given.shape}")
+    matrix: sparse.csr_array = sparse.csr_array(given.astype(np.float64))
     if not np.isfinite(matrix.data).all():
         raise ValueError(f"{name} must be finite, got NaN or infinity")
     return matrix
 
 
-def _numbers(values: ArrayLike | Matrix, name: str, axes: int) -> FloatArray:
+def _numbers(values: Any, name: str, axes: int) -> FloatArray:
     if np.ma.is_masked(values):
         raise ValueError(f"{name} must not be masked, got masked entries")
     try:

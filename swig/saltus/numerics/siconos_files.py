@@ -1,14 +1,15 @@
 """Siconos's ASCII problems: LCP, mixed LCP, friction in the plane and in space.
 
-| problem | content |
-|---|---|
-| LCP | n, matrix, q |
-| mixed LCP | are M and q there? are A, B, C, D, a, b? n, m, [rows where blocks begin, n + m; for each, is it complementary?; M; q], [A B C D row by row; a; b] |
-| friction | dimension, contacts, matrix, q, mu |
+LCP: n, matrix, q. Friction: dimension, contacts, matrix, q, mu. Mixed LCP: is there M, q? is there A, B, C, D,
+a, b? then numbers of equalities and of complementary rows; then, as the switches say, where blocks of rows
+begin and end and for each whether it is complementary, M, q; and A, B, C, D row by row, a, b.
 
-A matrix is its storage (0 dense, 1 sparse blocks, 2 sparse), rows, columns, and: dense, rows, columns, then column
-after column; sparse blocks, number of blocks, of block rows, of block columns, where they end, two lengths, row
-pointers, block columns, then each block with its number, column after column; sparse, what CSparse prints.
+A matrix is its storage, rows, columns, and
+
+- 0, dense: rows, columns, column after column;
+- 1, sparse blocks: numbers of blocks, of block rows, of block columns; where these end; the lengths of the
+  two lists that follow, row pointers and block columns; then each block, its number and it by columns;
+- 2, sparse: a switch, and what CSparse prints.
 """
 
 from __future__ import annotations
@@ -106,23 +107,24 @@ class _Words:
 
 
 def read(path: str | os.PathLike[str]) -> Problem:
-    """Read a problem. Raises ValueError with the line if the file is malformed, OSError if it cannot be read."""
+    """Read a problem. Raises ValueError with the line if it is malformed, OSError if it cannot be read."""
     words = _Words(path)
     head = [words.peek(k) for k in range(7)]
     first = [int(word) if _INTEGER.fullmatch(word) else -1 for word in head]
-    dim, contacts, storage, rows, columns = first[:5]
     # A sparse matrix is followed by a switch and CSparse's text: without it, an LCP of two rows in blocks.
-    friction = dim in (2, 3) and dim * contacts == rows == columns and (storage < SPARSE or head[6] == "CSparse")
-    if friction and contacts > 0 and storage >= 0:
+    dim, contacts, storage, rows, columns = first[:5]
+    known = storage in (DENSE, SPARSE_BLOCK) or (storage == SPARSE and head[6] == "CSparse")
+    if known and dim in (2, 3) and 0 < dim * contacts == rows == columns:
         return _read_friction(words)
     n, storage, rows, columns, after = first[:5]
     mixed = n in (0, 1) and storage in (0, 1) and n + storage > 0
-    if n >= 1 and n == rows == columns and storage in (DENSE, SPARSE_BLOCK, SPARSE) and not (mixed and after == 0):
+    plain = 0 < n == rows == columns and storage in (DENSE, SPARSE_BLOCK, SPARSE)
+    if plain and not (mixed and after == 0):  # where the first block of a mixed one begins
         return _read_lcp(words)
     if mixed:
         return _read_mlcp(words)
-    words.fail(
-        "expected the problem's size and the storage of its matrix (LCP), two switches 0 or 1 (mixed LCP), or "
+    return words.fail(
+        "expected the size and the storage of the matrix (LCP), two switches 0 or 1 (mixed LCP), or "
         f"dimension, contacts and storage (friction), got '{' '.join(head[:5])}'"
     )
 
@@ -168,7 +170,8 @@ def _read_matrix(words: _Words, size: int, name: str) -> Matrix:
     words.integers(2, f"rows and columns of {name}", size, size)
     if storage == DENSE:
         words.integers(2, f"rows and columns of {name}", size, size)
-        return words.numbers(size * size, name).reshape(size, size).T.copy()
+        columns: FloatArray = words.numbers(size * size, name).reshape(size, size)
+        return np.ascontiguousarray(columns.T)
     return _read_blocks(words, size, name) if storage == SPARSE_BLOCK else _read_sparse(words, size, name)
 
 
