@@ -13,6 +13,12 @@ struct Certificate {
   /// Is the residual below the tolerance, relative to the terms that cancel in it?
   /// Never where a term has overflowed.
   bool within(double tolerance) const { return std::isfinite(scale) && residual <= tolerance * scale; }
+  /// Has nothing overflowed?
+  bool finite() const { return std::isfinite(scale) && std::isfinite(residual); }
+  /// A smaller residual, or one without overflow where the other has one.
+  bool better_than(const Certificate& other) const {
+    return finite() && (!other.finite() || residual < other.residual);
+  }
 };
 
 /// Residual of the laws at P, and xi = G P + b. Row by row, with d the contact's scale d = max_k G_kk,

@@ -18,7 +18,7 @@ bool keep_if_better(const ContactProblem& problem, const double* trial, double* 
                     double* P) {
   const Certificate certificate = certify(problem, trial, xi);
   const bool solved = certificate.within(problem.tolerance);
-  if (solved || certificate.residual < report.certificate.residual) {
+  if (solved || certificate.better_than(report.certificate)) {
     report.certificate = certificate;
     std::copy_n(trial, problem.rows(), P);
   }

@@ -54,7 +54,7 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   auto improved_by = [&](ContactSolver& method, double* start) {
     const SolveReport report = method.solve(problem, start);
     ray |= report.status == SolveStatus::ray;
-    if (report.status == SolveStatus::solved || report.certificate.residual < best.certificate.residual) {
+    if (report.status == SolveStatus::solved || report.certificate.better_than(best.certificate)) {
       best = report;
       std::copy_n(start, rows, P);
     }

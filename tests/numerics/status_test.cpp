@@ -65,6 +65,21 @@ TEST(Solvers, AFailureOfTheDefaultKeepsTheBestOfItsAttempts) {
   EXPECT_DOUBLE_EQ(P[0], 5.0);
 }
 
+TEST(Solvers, AFailureOfTheDefaultKeepsNothingThatHasOverflowed) {
+  // Sweeps double the impulses of the first two contacts against each other, the third cannot be solved.
+  Matrix G = Matrix::Identity(3, 3);
+  G(0, 1) = G(1, 0) = -2.0;
+  G(2, 2) = -1.0;
+  const ContactProblem problem =
+      problem_of(G, (Vec(3) << -1.0, -1.0, -1.0).finished(), {NonNegative{}, NonNegative{}, NonNegative{}});
+  const auto solver = make_contact_solver("auto");
+  std::vector<double> P(3, 0.0);
+  const SolveReport report = solver->solve(problem, P.data());
+  EXPECT_NE(report.status, SolveStatus::solved);
+  EXPECT_TRUE(report.certificate.finite());
+  for (double p : P) EXPECT_LT(std::abs(p), 1e6);
+}
+
 TEST(Solvers, TheReportedCertificateIsThatOfTheAnswer) {
   std::mt19937 random(11);
   for (const SolverEntry& entry : contact_solvers()) {

@@ -53,7 +53,6 @@ def random_friction(kind: str, contacts: int, dim: int, seed: int) -> FrictionPr
     n = contacts * dim
     freedoms = max(3, n // 2) if kind == "rank-deficient" else n + 3
     H = rng.normal(size=(freedoms, n))
-    H[:, ::dim] = np.abs(H[:, ::dim])  # one v opens them all: nothing is wedged in
     v = rng.normal(size=freedoms)
     if kind == "degenerate":
         H = np.rint(H)

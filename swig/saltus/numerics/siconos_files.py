@@ -1,7 +1,7 @@
 """Siconos's ASCII problems: LCP, mixed LCP, friction in the plane and in space.
 
-LCP: n, matrix, q. Friction: dimension, contacts, matrix, q, mu. Mixed LCP: is there M, q? is there A, B, C, D,
-a, b? then numbers of equalities and of complementary rows; then, as the switches say, where blocks of rows
+LCP: n, matrix, q. Friction: dimension, contacts, matrix, q, mu. Mixed LCP: is there M, q? is there A, B, C,
+D, a, b? then numbers of equalities and of complementary rows; then, as the switches say, where blocks of rows
 begin and end and for each whether it is complementary, M, q; and A, B, C, D row by row, a, b.
 
 A matrix is its storage, rows, columns, and
@@ -95,8 +95,9 @@ class _Words:
             if word != expected:
                 self.fail(f"expected '{expected}', got '{word}'", at)
 
-    def next_line(self) -> None:
-        self._at = self._ends[bisect_right(self._ends, self._at)]
+    def skip_line(self) -> None:
+        """Go on behind the line of the last word."""
+        self._at = self._ends[bisect_right(self._ends, self._at - 1)]
 
     def require(self, count: int, what: str) -> None:
         """Before anything of that size is made."""
@@ -208,13 +209,13 @@ def _ends(words: _Words, count: int, size: int) -> list[int]:
 def _read_sparse(words: _Words, size: int, name: str) -> Matrix:
     words.integer("the origin of the sparse matrix")
     words.expect("CSparse")
-    words.next_line()
+    words.skip_line()
     triplets = words.peek() == "triplet:"
     words.expect(*["triplet:"] * triplets, f"{size}-by-{size},", "nzmax:")
     words.word("nzmax")
     words.expect("nnz:")
     entries = words.integer(f"the number of entries of {name}")
-    words.next_line()
+    words.skip_line()
     words.require((4 if triplets else 3) * entries, name)
     i, j, x = np.empty(entries, dtype=int), np.empty(entries, dtype=int), np.empty(entries)
     column = 0
@@ -222,13 +223,14 @@ def _read_sparse(words: _Words, size: int, name: str) -> Matrix:
         while not triplets and words.peek() == "col":
             words.expect("col")
             column = words.integer("a column", 0, size - 1)
-            words.next_line()
+            words.skip_line()
         i[k] = words.integer("a row", 0, size - 1)
         j[k] = words.integer("a column", 0, size - 1) if triplets else column
         words.expect(":")
         x[k] = words.numbers(1, name)[0]
     while not triplets and words.peek() == "col":  # those without entries
-        words.next_line()
+        words.expect("col")
+        words.skip_line()
     return sparse.csr_array(sparse.coo_array((x, (i, j)), shape=(size, size)))
 
 
