@@ -1,8 +1,15 @@
 #include "saltus/numerics/solvers/lemke.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 
 namespace saltus {
+namespace {
+
+// Where M is singular but for rounding, the same path with another idea of what rounding is finds an end.
+constexpr double least_pivots[] = {LemkeLcp::usual_pivot, 1e-8, 1e-14};
+
+}  // namespace
 
 bool Lemke::accepts(const ContactProblem& problem) const { return only_plane_friction(problem); }
 
@@ -16,18 +23,20 @@ void Lemke::reserve(int rows) {
 SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
   const int rows = problem.rows();
   xi_.resize(rows);
+  trial_.resize(rows);
   SolveReport report{.solver = name()};
-  split_ = false;
-  LcpOutcome outcome = attempt(problem, P);
-  report.iterations = lcp_.pivots();
+  std::fill_n(P, rows, 0.0);
   report.certificate = certify(problem, P, xi_.data());
-  if (report.certificate.within(problem.tolerance)) return report;
-  if (dependent_) {
-    split_ = true;
-    trial_.resize(rows);
-    outcome = attempt(problem, trial_.data());
-    report.iterations += lcp_.pivots();
-    if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
+  LcpOutcome outcome = LcpOutcome::ray;
+  for (const bool split : {false, true}) {
+    if (split && !dependent_) break;
+    split_ = split;
+    for (const double least_pivot : least_pivots) {
+      outcome = attempt(problem, least_pivot, trial_.data());
+      report.iterations += lcp_.pivots();
+      if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
+      if (outcome == LcpOutcome::iteration_limit) break;
+    }
   }
   report.status = outcome == LcpOutcome::ray               ? SolveStatus::ray
                   : outcome == LcpOutcome::iteration_limit ? SolveStatus::iteration_limit
@@ -35,11 +44,11 @@ SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
   return report;
 }
 
-LcpOutcome Lemke::attempt(const ContactProblem& problem, double* P) {
+LcpOutcome Lemke::attempt(const ContactProblem& problem, double least_pivot, double* P) {
   eliminate_equalities(problem);
   choose_unknowns(problem);
   fill(problem);
-  const LcpOutcome outcome = lcp_.solve(z_.data());
+  const LcpOutcome outcome = lcp_.solve(z_.data(), least_pivot);
   read(problem, P);
   return outcome;
 }

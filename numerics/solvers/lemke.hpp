@@ -24,7 +24,7 @@ class Lemke final : public ContactSolver {
   std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<Lemke>(); }
 
  private:
-  LcpOutcome attempt(const ContactProblem& problem, double* P);
+  LcpOutcome attempt(const ContactProblem& problem, double least_pivot, double* P);
   void eliminate_equalities(const ContactProblem& problem);
   void choose_unknowns(const ContactProblem& problem);
   void fill(const ContactProblem& problem);

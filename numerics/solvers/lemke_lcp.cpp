@@ -7,8 +7,6 @@
 namespace saltus {
 namespace {
 
-// Entries of the entering column below this fraction of its largest are rounding.
-constexpr double pivot_tolerance = 1e-11;
 // Values below this fraction of the largest are zero: a degenerate basis.
 constexpr double value_tolerance = 1e-13;
 // Ratios closer than this, relative to the larger one, are a tie.
@@ -17,13 +15,17 @@ constexpr int refactorisation_interval = 50;
 // Paths are short as a rule, about one pivot a row, but exponential in the worst case.
 constexpr int most_pivots = 10000;
 constexpr int refinements = 2;
+constexpr int scalings = 4;
+
+// The power of two next to 1/x, 1 for 0
+double scale_of(double x) { return x > 0.0 ? std::exp2(-std::round(std::log2(x))) : 1.0; }
 
 }  // namespace
 
 void LemkeLcp::reserve(int n) {
   M_.reserve(n, n);
   inverse_.reserve(n, n);
-  for (PoolVec* x : {&q_, &x_, &column_}) x->reserve(n);
+  for (PoolVec* x : {&q_, &x_, &column_, &scale_}) x->reserve(n);
   basis_.reserve(n);
 }
 
@@ -31,22 +33,44 @@ void LemkeLcp::resize(int n) {
   n_ = n;
   M_.resize(n, n);
   inverse_.resize(n, n);
-  for (PoolVec* x : {&q_, &x_, &column_}) x->resize(n);
+  for (PoolVec* x : {&q_, &x_, &column_, &scale_}) x->resize(n);
   basis_.resize(n);
+}
+
+// M <- D M D, q <- D q / |D q|, where D balances the largest entries of row and column i together
+void LemkeLcp::scale() {
+  auto M = M_.view();
+  auto D = scale_.view();
+  D.setOnes();
+  for (int k = 0; k < scalings; ++k) {
+    for (int i = 0; i < n_; ++i) {
+      const double largest = std::max(M.row(i).cwiseAbs().maxCoeff(), M.col(i).cwiseAbs().maxCoeff());
+      const double d = scale_of(std::sqrt(largest));
+      D[i] *= d;
+      M.row(i) *= d;
+      M.col(i) *= d;
+    }
+  }
+  q_.view().array() *= D.array();
+  const double size = scale_of(q_.view().cwiseAbs().maxCoeff());
+  q_.view() *= size;
+  D /= size;
 }
 
 // The basis of all w: the inverse is the identity, the values are q.
 void LemkeLcp::start() {
-  pivots_ = 0;
   inverse_.view().setIdentity();
   x_.view() = q_.view();
   for (int i = 0; i < n_; ++i) basis_[i] = i;
 }
 
-LcpOutcome LemkeLcp::solve(double* z) {
-  start();
+LcpOutcome LemkeLcp::solve(double* z, double pivot_tolerance) {
+  least_pivot_ = pivot_tolerance;
+  pivots_ = 0;
   std::fill_n(z, n_, 0.0);
   if (n_ == 0 || q_.view().minCoeff() >= 0.0) return LcpOutcome::solved;
+  scale();
+  start();
   // z0 enters; the row with the lexicographically smallest (q_i, e_i) leaves: the last of the smallest q_i
   enter(artificial());
   int row = 0;
@@ -93,7 +117,7 @@ int LemkeLcp::leaving_row() const {
   double least = 0.0;
   int best = none;
   for (int i = 0; i < n_; ++i) {
-    if (!(column_[i] > pivot_tolerance * largest)) continue;
+    if (!(column_[i] > least_pivot_ * largest)) continue;
     const double ratio = x_[i] > zero ? x_[i] / column_[i] : 0.0;
     if (best == none) {
       best = i;
@@ -172,7 +196,8 @@ void LemkeLcp::read_solution(double* z) {
       if (basis_[i] >= n_ && place != rows.end()) x[place - rows.begin()] = x_[i];
     }
   }
-  for (std::size_t k = 0; k < rows.size(); ++k) z[rows[k]] = std::max(x[static_cast<int>(k)], 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    z[rows[k]] = scale_[rows[k]] * std::max(x[static_cast<int>(k)], 0.0);
 }
 
 }  // namespace saltus

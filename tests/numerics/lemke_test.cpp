@@ -94,6 +94,24 @@ TEST(LemkeLcp, DegenerateProblemsEnd) {
   }
 }
 
+// Entries and solutions over 28 powers of ten: the path is the same after scaling
+TEST(LemkeLcp, UnitsDoNotMatter) {
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> exponent(-4.0, 4.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 2 + trial % 9;
+    const Matrix W = Matrix::NullaryExpr(n, n, [&] { return normal(random); });
+    const Vec unit = Vec::NullaryExpr(n, [&] { return std::pow(10.0, exponent(random)); });
+    const double all = std::pow(10.0, 3.0 * exponent(random));
+    const Matrix M = all * unit.asDiagonal() * (W.transpose() * W) * unit.asDiagonal();
+    const Vec q = unit.cwiseProduct(Vec::NullaryExpr(n, [&] { return normal(random); }));
+    const Answer answer = lcp(M, q);
+    ASSERT_EQ(answer.outcome, LcpOutcome::solved) << trial;
+    EXPECT_LE(residual(M, q, answer.z), 1e-14) << trial;
+  }
+}
+
 TEST(LemkeLcp, LargeProblemsKeepTheirAccuracy) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -110,6 +128,29 @@ TEST(LemkeLcp, LargeProblemsKeepTheirAccuracy) {
 TEST(LemkeLcp, WithoutASolutionThePathEndsInARay) {
   const Answer answer = lcp(-Matrix::Identity(2, 2), Vec::Constant(2, -1.0));
   EXPECT_EQ(answer.outcome, LcpOutcome::ray);
+}
+
+// Semidefinite but for rounding: what is a pivot and what is not decides whether the path has an end
+TEST(Lemke, NearlySingularProblemsAreSolved) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> normal;
+  Lemke method;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int n = 2 + trial % 11;
+    const Matrix W = Matrix::NullaryExpr(n / 2, n, [&] { return normal(random); });
+    const double shift = std::pow(10.0, -6.0 - 10.0 * unit(random));
+    const Matrix M = W.transpose() * W + shift * Matrix::Identity(n, n);
+    Vec q(n), z(n);
+    for (int i = 0; i < n; ++i) {
+      const bool closed = unit(random) < 0.5;
+      z[i] = closed ? unit(random) : 0.0;
+      q[i] = closed ? 0.0 : unit(random);
+    }
+    q -= M * z;
+    ContactProblem problem{M, q, std::vector<ContactSet>(n, NonNegative{})};
+    ASSERT_EQ(method.solve(problem, z.data()).status, SolveStatus::solved) << trial;
+  }
 }
 
 TEST(Lemke, ARayIsReportedAsOne) {
