@@ -44,10 +44,12 @@ SolveReport Automatic::solve_single(const ContactProblem& problem, double* P) {
 }
 
 SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
-  SolveReport best = problem.contacts() == 1 ? solve_single(problem, P) : newton_.solve(problem, P);
+  const int rows = problem.rows();
+  const bool single = problem.contacts() == 1;
+  const bool cold = !single && std::all_of(P, P + rows, [](double p) { return p == 0.0; });
+  SolveReport best = single ? solve_single(problem, P) : newton_.solve(problem, P);
   if (best.status == SolveStatus::solved) return best;
 
-  const int rows = problem.rows();
   trial_.resize(rows);
   sweeps_P_.resize(rows);
   bool ray = false;
@@ -62,6 +64,7 @@ SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
   };
   for (ContactSolver* method :
        std::initializer_list<ContactSolver*>{&newton_, &enumeration_, &lemke_, &subsets_}) {
+    if (cold && method == &newton_) continue;  // it was just that
     std::fill_n(trial_.data(), rows, 0.0);
     if (method->accepts(problem) && improved_by(*method, trial_.data())) return best;
   }
