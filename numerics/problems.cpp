@@ -42,6 +42,15 @@ void natural_map(const ContactSet& set, double d, const double* r, Out u) {
 // Below this a certificate is rounding.
 constexpr double least_tolerance = 1e-15;
 
+// P that must not be negative is so by rounding at most: the sets say what is meant.
+void project(const ContactProblem& problem, Vec& P) {
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    if (std::holds_alternative<NonNegative>(set) && P[row] < 0.0) P[row] = 0.0;
+    row += rows_of(set);
+  }
+}
+
 // Solves from answer.solution. @return what the method says of itself
 bool take_answer(const ContactProblem& problem, ContactSolver& method, ProblemSolution& answer) {
   const SolveReport report = method.solve(problem, answer.solution.data());
@@ -49,6 +58,13 @@ bool take_answer(const ContactProblem& problem, ContactSolver& method, ProblemSo
   answer.iterations += report.iterations;
   answer.solver = report.solver;
   answer.residual = problem_residual(problem, answer.solution.data());
+  Vec projected = answer.solution;
+  project(problem, projected);
+  const double residual = problem_residual(problem, projected.data());
+  if (residual < answer.residual) {
+    answer.residual = residual;
+    answer.solution = projected;
+  }
   return report.status == SolveStatus::solved;
 }
 

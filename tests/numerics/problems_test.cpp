@@ -168,6 +168,28 @@ TEST(SolveProblem, TriesHarderWhereTheCertificateIsSatisfiedTooEarly) {
   EXPECT_LT(solve(problem, "nsgs", 1e-4).iterations, solve(problem, "nsgs", 1e-12).iterations);
 }
 
+// A solver that answers z = (1, -1e-9), which the laws take for rounding where M is small
+class Below final : public ContactSolver {
+ public:
+  std::string_view name() const override { return "below"; }
+  bool accepts(const ContactProblem&) const override { return true; }
+  void reserve(int) override {}
+  SolveReport solve(const ContactProblem&, double* P) override {
+    P[0] = 1.0;
+    P[1] = -1e-9;
+    return {.iterations = 1, .solver = name()};
+  }
+  std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<Below>(); }
+};
+
+TEST(SolveProblem, WhatMustNotBeNegativeIsNot) {
+  Below below;
+  const ContactProblem problem = lcp(square(2, {1, 0, 0, 1e-12}), vec({-1, 1}));
+  const ProblemSolution answer = solve_problem(problem, below, 1e-12, Vec::Zero(2));
+  EXPECT_EQ(answer.status, SolveStatus::solved);
+  EXPECT_EQ(answer.solution[1], 0.0);
+}
+
 TEST(SolveProblem, RefusesWhatIsNoProblem) {
   const ContactProblem good = lcp(Matrix::Identity(2, 2), vec({-1.0, 1.0}));
   const auto method = make_contact_solver("auto");
