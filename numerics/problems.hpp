@@ -9,8 +9,7 @@ namespace saltus {
 
 /// Largest entry of the natural map of a linear complementarity problem w = M z + q, mixed with equalities:
 ///   |min(z_i, w_i)|, |w_i| in a row of an Equality,
-/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M. 0 where nothing is
-/// wrong.
+/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M; 0 if all vanish.
 /// @param z (rows)
 /// @throws std::invalid_argument if there is a Coulomb set
 double complementarity_residual(const ContactProblem& problem, const double* z);
@@ -37,8 +36,7 @@ struct ProblemSolution {
 /// Where that is satisfied too early it goes on with a smaller ContactProblem::tolerance.
 /// @param start  (rows) warm start
 /// @throws std::invalid_argument as validate(), if the method does not accept the problem, the tolerance is
-/// not
-///         positive and finite, or the start is not finite or has another size
+///         not positive and finite, or the start is not finite or has another size
 ProblemSolution solve_problem(ContactProblem problem, ContactSolver& method, double tolerance,
                               const Vec& start);
 

@@ -77,16 +77,13 @@ double PositionProjection::take_violated(const std::vector<int>& held, Configura
     const auto& contact = layout_->contacts[k];
     const bool bilateral = contact.law->bilateral;
     if (!bilateral && !pulled_[k] && !(at.gaps()[contact.gap] > 0.0)) continue;
-    double out_of_place = bilateral ? 0.0 : std::max(0.0, at.gaps()[contact.gap]);
-    for (int row = 0; bilateral && row < contact.gaps; ++row) {
-      const double gap = std::abs(at.gaps()[contact.gap + row]);
-      if (gap > at.gap_tolerance(k, row)) out_of_place = std::max(out_of_place, gap);
+    violated_.push_back(k);
+    pulled_[k] = 1;
+    for (int row = 0; row < contact.gaps; ++row) {
+      const double gap = at.gaps()[contact.gap + row];
+      const bool off = bilateral ? std::abs(gap) > at.gap_tolerance(k, row) : gap > 0.0;
+      if (off) largest = std::max(largest, std::abs(gap));
     }
-    if (out_of_place > 0.0 || bilateral || pulled_[k]) {
-      violated_.push_back(k);
-      pulled_[k] = 1;
-    }
-    largest = std::max(largest, out_of_place);
   }
   return largest;
 }

@@ -62,9 +62,7 @@ void imply_on_velocity_level(Options& options) {
       throw std::invalid_argument("stabilization = position takes the activity sticky, got predicted");
     if (word(options, "impact") == "keep-resting-forces")
       throw std::invalid_argument(
-          "impact = keep-resting-forces takes no activity predicted, which lets contacts that were open "
-          "carry "
-          "forces");
+          "impact = keep-resting-forces takes no activity predicted, which gives forces to open contacts");
   }
   if (stabilized) options["activity"] = "sticky";
 }
@@ -98,30 +96,22 @@ SchemeProperties velocity_level_properties(TableauOrder order, const Options& op
           .forces_at_rest = true};
 }
 
-struct NamedTableau {
-  const char* name;
-  Tableau (*make)();
-};
-
-constexpr NamedTableau tableaux[] = {{"Heun", heun_tableau},
-                                     {"third-order", third_order_tableau},
-                                     {"Kutta3", kutta3_tableau},
-                                     {"RK4", rk4_tableau},
-                                     {"HEM5", hem5_tableau}};
+constexpr Tableau (*tableaux[])() = {heun_tableau, third_order_tableau, kutta3_tableau, rk4_tableau,
+                                     hem5_tableau};
 
 SchemeOption tableau_option() {
   SchemeOption option{"tableau", "third-order", {}, "coefficients a, b, c of (B.9)-(B.16)", true};
-  for (const NamedTableau& tableau : tableaux) option.choices.push_back(tableau.name);
+  for (const auto make : tableaux) option.choices.push_back(make().name);
   return option;
 }
 
 Tableau tableau_of(const Options& options) {
   const OptionValue& value = options.at("tableau");
   if (const auto* own = std::get_if<Tableau>(&value)) return *own;
-  const auto named = std::find_if(std::begin(tableaux), std::end(tableaux), [&](const NamedTableau& t) {
-    return t.name == std::get<std::string>(value);
+  const auto* const make = std::find_if(std::begin(tableaux), std::end(tableaux), [&](const auto candidate) {
+    return candidate().name == std::get<std::string>(value);
   });
-  return named->make();  // the word is one of the choices
+  return (*make)();  // the word is one of the choices
 }
 
 std::vector<SchemeOption> runge_kutta_options() {

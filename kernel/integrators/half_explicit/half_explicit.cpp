@@ -9,6 +9,12 @@
 namespace saltus {
 namespace {
 
+// What counts as an approach, and as a force, in velocity_tolerance(): solvers come near one of them. Taking
+// too much for zero lets a stage act on rounding, too little takes a step with a simpler scheme.
+constexpr double approach_in_tolerances = 1e3, force_in_tolerances = 100.0;
+// A tangential force is short of sliding if it is so by this fraction.
+constexpr double sticking_margin = 1e-9;
+
 void require_acceleration_level(const std::string& scheme, const NonSmoothDynamicalSystem& model) {
   for (const auto& link : model.links()) {
     for (const ContactSet& set : link.interaction->law().sets)
@@ -63,7 +69,7 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
     stage.lambda.setZero(layout_->rows);
   }
   if (settings_.stabilized) projection_ = std::make_unique<PositionProjection>(layout_);
-  for (auto* contacts : {&start_, &active_}) contacts->reserve(layout_->contacts.size());
+  for (auto* contacts : {&start_, &active_, &drifted_}) contacts->reserve(layout_->contacts.size());
   in_start_.assign(layout_->contacts.size(), 0);
   if (simple_) simple_->prepare(model, solver);
   q_.setZero(layout_->n);
@@ -119,7 +125,7 @@ bool HalfExplicit::approaches(double dt) {
   for (int k : start_) {
     const auto& contact = layout_->contacts[k];
     at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
-    const double zero = 1e3 * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
+    const double zero = approach_in_tolerances * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
     for (int i = 0; i < contact.gaps; ++i) {
       const double gamma = gamma_[contact.row + i];
       if (gamma < -zero || (contact.law->bilateral && gamma > zero)) return true;
@@ -145,13 +151,13 @@ bool HalfExplicit::move_to_end(double dt, StepReport& report) {
     end.move_to(q_);
   }
   if (settings_.stabilized && end.finite() && !newly_closed()) {
-    active_.clear();  // those on which the multiplier before the last presses, λ_{s-1}
+    drifted_.clear();  // those on which the multiplier before the last presses, λ_{s-1}
     const Vec& lambda = stages_[s_ > 0 ? s_ - 1 : 0].lambda;
     for (int k : start_) {
       const auto& contact = layout_->contacts[k];
-      if (contact.law->bilateral || (lambda[contact.row] > 0.0 && within_reach(k, dt))) active_.push_back(k);
+      if (contact.law->bilateral || (lambda[contact.row] > 0.0 && within_reach(k, dt))) drifted_.push_back(k);
     }
-    projection_->pull(active_, end, at(s_));  // M of the last stage: it is close, and factorised
+    projection_->pull(drifted_, end, at(s_));  // M of the last stage: it is close, and factorised
   }
   if (!end.finite()) report.status = StepStatus::gap_not_finite;
   if (!end.factorise()) report.status = StepStatus::mass_not_positive_definite;
@@ -287,7 +293,7 @@ bool HalfExplicit::changes_contacts(int last, double dt) {
     const auto& slot = layout_->contacts[k];
     const double tolerance = at(0).velocity_tolerance(k, stages_[0].v, stages_[0].acceleration, dt);
     // What rounding makes of no force: an impulse that changes γ by a few times its tolerance.
-    const double zero = 100.0 * tolerance / (dt * least_weight_ * std::max(G(row, row), 1e-300));
+    const double zero = force_in_tolerances * tolerance / (dt * least_weight_ * G(row, row));
     row += slot.rows;
     if (slot.law->bilateral) continue;
     for (int stage = 1; stage <= last; ++stage)
@@ -304,7 +310,7 @@ int HalfExplicit::contact_state(int contact, int stage, double zero) const {
   const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
   if (!law) return 1;
   const double size = std::hypot(lambda[1], law->dim == 3 ? lambda[2] : 0.0);
-  if (size < law->mu * lambda[0] * (1.0 - 1e-9)) return 1;
+  if (size < law->mu * lambda[0] * (1.0 - sticking_margin)) return 1;
   return law->dim == 3 || lambda[1] > 0.0 ? 2 : 3;
 }
 

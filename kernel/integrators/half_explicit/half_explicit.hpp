@@ -106,6 +106,7 @@ class HalfExplicit final : public OneStepIntegrator {
   std::vector<int> start_;                // C_i
   std::vector<unsigned char> in_start_;   // the same as flags
   std::vector<int> active_;               // of the contact problem at hand
+  std::vector<int> drifted_;              // that may be pulled back
   Vec q_, gamma_, impulse_;
 };
 
