@@ -21,9 +21,9 @@ double tangential_residual(double d, double radius, const double* P, const doubl
 
 }  // namespace
 
-double contact_scale(const PoolMatrix& G, int row, int rows) {
+double contact_scale(const ContactProblem& problem, int row, int rows) {
   double d = 0.0;
-  for (int k = row; k < row + rows; ++k) d = std::max(d, std::abs(G(k, k)));
+  for (int k = row; k < row + rows; ++k) d = std::max(d, std::abs(entry(problem, k, k)));
   return d > 0.0 ? d : 1.0;
 }
 
@@ -31,13 +31,12 @@ Certificate certify(const ContactProblem& problem, const double* P, double* xi) 
   const int rows = problem.rows();
   Certificate certificate;
   for (int i = 0; i < rows; ++i) {
-    const double* G = problem.G.row(i);
     double sum = problem.b[i];
     double size = std::abs(sum);
-    for (int j = 0; j < rows; ++j) {
-      sum += G[j] * P[j];
-      size += std::abs(G[j] * P[j]);
-    }
+    for_row(problem, i, [&](int j, double entry) {
+      sum += entry * P[j];
+      size += std::abs(entry * P[j]);
+    });
     xi[i] = sum;
     certificate.scale = std::max(certificate.scale, size);
   }
@@ -51,7 +50,7 @@ Certificate certify(const ContactProblem& problem, const double* P, double* xi) 
     if (std::holds_alternative<Equality>(set)) {
       take(std::abs(xi[row]));
     } else {
-      const double d = contact_scale(problem.G, row, count);
+      const double d = contact_scale(problem, row, count);
       take(std::abs(std::min(xi[row], d * P[row])));
       if (std::isnan(xi[row] + P[row])) take(xi[row] + P[row]);
       if (const auto* law = std::get_if<Coulomb>(&set)) {

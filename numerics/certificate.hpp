@@ -31,6 +31,6 @@ struct Certificate {
 Certificate certify(const ContactProblem& problem, const double* P, double* xi);
 
 /// d = max_k |G_kk| over a contact's rows, 1 where the contact moves nothing.
-double contact_scale(const PoolMatrix& G, int row, int rows);
+double contact_scale(const ContactProblem& problem, int row, int rows);
 
 }  // namespace saltus

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "saltus/numerics/pool.hpp"
+#include "saltus/numerics/sparse_rows.hpp"
 
 namespace saltus {
 
@@ -30,19 +31,43 @@ inline constexpr double default_tolerance = 1e-12;
 /// Find P such that xi = G P + b, and each contact's law holds between xi and P.
 /// G may be unsymmetric (half-explicit rows take W at two positions) and rank-deficient.
 struct ContactProblem {
-  PoolMatrix G;                          ///< (rows, rows) [1/kg] in mechanics
-  PoolVec b;                             ///< (rows) [m/s]
-  std::vector<ContactSet> sets;          ///< in the order of the rows
+  PoolMatrix G;                  ///< (rows, rows) [1/kg] in mechanics; empty if `sparse` stands for it
+  PoolVec b;                     ///< (rows) [m/s]
+  std::vector<ContactSet> sets;  ///< in the order of the rows
   double tolerance = default_tolerance;  ///< bound on residual/scale of a Certificate that counts as solved
+  SparseRows sparse = {};                ///< G where it has few entries; has no rows if G is dense
 
+  bool is_sparse() const { return !sparse.empty(); }
   int rows() const { return b.size(); }
   int contacts() const { return static_cast<int>(sets.size()); }
 };
 
+/// Calls f(column, entry) for the entries of a row of G that may differ from zero.
+template <class Function>
+void for_row(const ContactProblem& problem, int row, Function f) {
+  if (problem.is_sparse()) {
+    const SparseRows& G = problem.sparse;
+    for (int k = G.start[row]; k < G.start[row + 1]; ++k) f(G.column[k], G.value[k]);
+  } else {
+    const double* G = problem.G.row(row);
+    for (int j = 0; j < problem.rows(); ++j) f(j, G[j]);
+  }
+}
+
+/// Entry (i, j) of G.
+inline double entry(const ContactProblem& problem, int i, int j) {
+  return problem.is_sparse() ? problem.sparse.at(i, j) : problem.G(i, j);
+}
+
+/// The same problem with G stored densely.
+ContactProblem dense(const ContactProblem& problem);
+
 /// Has every Coulomb contact the dim 2? Then the laws are piecewise linear.
 bool only_plane_friction(const ContactProblem& problem);
 
-/// @throws std::invalid_argument if the sizes of G, b and the sets disagree, a set is not a set
+/// @throws std::invalid_argument if the sizes of G, b and the sets disagree, the columns of a sparse row do
+/// not
+///         ascend within G, a set is not a set
 ///         (mu < 0, dim not 2 or 3) or a value is not finite
 void validate(const ContactProblem& problem);
 

@@ -1,6 +1,9 @@
 #include "saltus/numerics/contact_solver.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include "saltus/numerics/text.hpp"
 
 namespace saltus {
 
@@ -12,6 +15,13 @@ std::string_view to_string(SolveStatus status) {
     case SolveStatus::breakdown: break;
   }
   return "breakdown";
+}
+
+void ContactSolver::set_tolerance(double tolerance) {
+  if (!(tolerance > 0.0 && tolerance < 1.0))
+    throw std::invalid_argument("the tolerance of contact problems must be in (0, 1), got " +
+                                number(tolerance));
+  tolerance_ = tolerance;
 }
 
 bool keep_if_better(const ContactProblem& problem, const double* trial, double* xi, SolveReport& report,

@@ -38,12 +38,21 @@ class ContactSolver {
   virtual std::string_view name() const = 0;
   /// Can this method take the problem at all? One that it does not accept must not be passed to solve().
   virtual bool accepts(const ContactProblem& problem) const = 0;
+  /// Can it take problems with sparse rows? Others are given a copy with a dense G.
+  virtual bool takes_sparse() const { return false; }
+  /// ContactProblem::tolerance of the problems that a simulation poses to this solver.
+  double tolerance() const { return tolerance_; }
+  /// @throws std::invalid_argument if it is not in (0, 1)
+  void set_tolerance(double tolerance);
   /// Sizes the workspace: problems of up to this many rows are then solved without allocation.
   virtual void reserve(int rows) = 0;
   /// @param[in,out] P  (rows) [N s]; in: warm start, out: solution, or the best P that was found
   virtual SolveReport solve(const ContactProblem& problem, double* P) = 0;
   /// A solver with the same settings and a workspace of its own.
   virtual std::unique_ptr<ContactSolver> clone() const = 0;
+
+ private:
+  double tolerance_ = default_tolerance;
 };
 
 }  // namespace saltus

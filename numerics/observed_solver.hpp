@@ -23,6 +23,7 @@ class ObservedSolver final : public ContactSolver {
 
   std::string_view name() const override { return solver_->name(); }
   bool accepts(const ContactProblem& problem) const override { return solver_->accepts(problem); }
+  bool takes_sparse() const override { return solver_->takes_sparse(); }
   void reserve(int rows) override { solver_->reserve(rows); }
   SolveReport solve(const ContactProblem& problem, double* P) override {
     const SolveReport report = solver_->solve(problem, P);

@@ -11,6 +11,14 @@ namespace {
 
 double largest(const Vec& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0.0; }
 
+// G P + b
+Vec response(const ContactProblem& problem, const double* P) {
+  Vec xi = problem.b.view();
+  for (int i = 0; i < problem.rows(); ++i)
+    for_row(problem, i, [&](int j, double entry) { xi[i] += entry * P[j]; });
+  return xi;
+}
+
 // proj_K of x = (N, T...), K = { |T| <= mu N }
 void project_on_cone(double mu, Out x) {
   auto T = x.tail(x.size() - 1);
@@ -73,7 +81,7 @@ bool take_answer(const ContactProblem& problem, ContactSolver& method, ProblemSo
 double complementarity_residual(const ContactProblem& problem, const double* z) {
   const int rows = problem.rows();
   const In x(z, rows);
-  const Vec w = problem.G.view() * x + problem.b.view();
+  const Vec w = response(problem, z);
   double worst = 0.0;
   for (int i = 0; i < rows; ++i) {
     const ContactSet& set = problem.sets[i];
@@ -83,14 +91,20 @@ double complementarity_residual(const ContactProblem& problem, const double* z) 
     if (!(std::abs(entry) <= worst)) worst = std::abs(entry);  // NaN wins
   }
   if (worst == 0.0) return 0.0;
-  const double norm = problem.G.view().cwiseAbs().rowwise().sum().maxCoeff();
+  double norm = 0.0;
+  for (int i = 0; i < rows; ++i) {
+    double sum = 0.0;
+    for_row(problem, i, [&](int, double entry) { sum += std::abs(entry); });
+    norm = std::max(norm, sum);
+  }
   return worst / (largest(problem.b.view()) + norm * largest(x));
 }
 
 double friction_residual(const ContactProblem& problem, const double* r) {
   const int rows = problem.rows();
-  Vec map = problem.G.view() * In(r, rows) + problem.b.view();
-  double d = largest(problem.G.view().diagonal());
+  Vec map = response(problem, r);
+  double d = 0.0;
+  for (int i = 0; i < rows; ++i) d = std::max(d, std::abs(entry(problem, i, i)));
   if (d == 0.0) d = 1.0;
   int row = 0;
   for (const ContactSet& set : problem.sets) {
@@ -109,9 +123,10 @@ double problem_residual(const ContactProblem& problem, const double* P) {
   return friction ? friction_residual(problem, P) : complementarity_residual(problem, P);
 }
 
-ProblemSolution solve_problem(ContactProblem problem, ContactSolver& method, double tolerance,
+ProblemSolution solve_problem(const ContactProblem& given, ContactSolver& method, double tolerance,
                               const Vec& start) {
-  validate(problem);
+  validate(given);
+  ContactProblem problem = given.is_sparse() && !method.takes_sparse() ? dense(given) : given;
   const std::string name(method.name());
   if (!(tolerance > 0.0) || !std::isfinite(tolerance))
     throw std::invalid_argument("tolerance must be positive and finite, got " + number(tolerance));

@@ -37,7 +37,7 @@ struct ProblemSolution {
 /// @param start  (rows) warm start
 /// @throws std::invalid_argument as validate(), if the method does not accept the problem, the tolerance is
 ///         not positive and finite, or the start is not finite or has another size
-ProblemSolution solve_problem(ContactProblem problem, ContactSolver& method, double tolerance,
+ProblemSolution solve_problem(const ContactProblem& given, ContactSolver& method, double tolerance,
                               const Vec& start);
 
 }  // namespace saltus

@@ -365,9 +365,13 @@ void bind_simulation(py::module_& module) {
   py::classh<Observer>(module, "Observer", "Looks at the steps of a run.");
   py::classh<TimeStepping>(module, "TimeSteppingBase")
       .def(py::init([](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& integrator,
-                       double time_step, const std::string& solver) {
-        return std::make_unique<TimeStepping>(system, integrator, time_step, *make_contact_solver(solver));
-      }))
+                       double time_step, const std::string& solver, double tolerance) {
+             const auto method = make_contact_solver(solver);
+             method->set_tolerance(tolerance);
+             return std::make_unique<TimeStepping>(system, integrator, time_step, *method);
+           }),
+           py::arg("system"), py::arg("integrator"), py::arg("time_step"), py::arg("solver"),
+           py::arg("tolerance") = default_tolerance)
       .def("add_observer", &TimeStepping::add_observer)
       .def("add_callback",
            [](TimeStepping& self, py::function callback) {
@@ -378,7 +382,7 @@ void bind_simulation(py::module_& module) {
              if (!watcher) return self.watch_problems({});
              self.watch_problems([call = *watcher](const ContactProblem& problem, const double* P,
                                                    const SolveReport& report) {
-               call(matrix_to_array(problem.G.view()), to_array(problem.b.view()), problem.sets,
+               call(matrix_of(problem), to_array(problem.b.view()), problem.sets,
                     to_array(In(P, problem.rows())), std::string(to_string(report.status)));
              });
            })

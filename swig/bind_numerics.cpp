@@ -19,11 +19,43 @@ struct Solution {
   int iterations;
 };
 
+template <class T>
+std::vector<T> to_list(const py::object& values) {
+  const auto array = py::array_t<T, py::array::c_style | py::array::forcecast>::ensure(values);
+  return {array.data(), array.data() + array.size()};
+}
+
+}  // namespace
+
+ContactProblem to_problem(const py::object& G, const ArrayLike& b, const std::vector<ContactSet>& sets) {
+  ContactProblem problem{{}, to_vec(b, "b"), sets};
+  if (py::hasattr(G, "indptr"))
+    problem.sparse = {to_list<int>(G.attr("indptr")), to_list<int>(G.attr("indices")),
+                      to_list<double>(G.attr("data"))};
+  else
+    problem.G = to_matrix(G, "G");
+  validate(problem);
+  return problem;
+}
+
+py::object matrix_of(const ContactProblem& problem) {
+  if (!problem.is_sparse()) return matrix_to_array(problem.G.view());
+  const auto array = [](const auto& values) {
+    return py::array_t<typename std::decay_t<decltype(values)>::value_type>(values.size(), values.data());
+  };
+  const SparseRows& G = problem.sparse;
+  return py::module_::import("scipy.sparse")
+      .attr("csr_array")(py::make_tuple(array(G.value), array(G.column), array(G.start)),
+                         py::arg("shape") = py::make_tuple(problem.rows(), problem.rows()));
+}
+
+namespace {
+
 Solution solve(const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets,
                const std::string& solver, const std::optional<ArrayLike>& warm_start) {
-  ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
-  validate(problem);
   const auto method = make_contact_solver(solver);
+  ContactProblem problem = to_problem(G, b, sets);
+  if (problem.is_sparse() && !method->takes_sparse()) problem = dense(problem);
   if (!method->accepts(problem))
     throw std::invalid_argument(
         "the contact solver '" + solver +
@@ -71,7 +103,7 @@ void bind_problems(py::module_& module) {
       "solve_problem",
       [](const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets,
          const std::string& solver, double tolerance, const std::optional<ArrayLike>& warm_start) {
-        const ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
+        const ContactProblem problem = to_problem(G, b, sets);
         const Vec start = warm_start ? to_vec(*warm_start, "warm_start") : Vec(Vec::Zero(problem.rows()));
         return solve_problem(problem, *make_contact_solver(solver), tolerance, start);
       },
@@ -80,8 +112,7 @@ void bind_problems(py::module_& module) {
   module.def(
       "problem_residual",
       [](const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets, const ArrayLike& P) {
-        const ContactProblem problem{to_matrix(G, "G"), to_vec(b, "b"), sets};
-        validate(problem);
+        const ContactProblem problem = to_problem(G, b, sets);
         return problem_residual(problem, to_sized_vec(P, "solution", problem.rows()).data());
       },
       py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("P"));
@@ -139,7 +170,7 @@ from P.
 
 Parameters
 ----------
-G : (rows, rows) [1/kg], may be unsymmetric and rank-deficient
+G : (rows, rows) [1/kg], an array or a scipy.sparse.csr_array; may be unsymmetric and rank-deficient
 b : (rows,) [m/s]
 sets : contact sets in the order of the rows
 solver : name out of solvers()

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "saltus/io/recording.hpp"
-#include "saltus/numerics/pool.hpp"
+#include "saltus/numerics/contact_problem.hpp"
 
 namespace saltus::python {
 
@@ -29,6 +29,11 @@ Vec to_vec(const ArrayLike& values, const std::string& what);
 Vec to_sized_vec(const ArrayLike& values, const std::string& what, Eigen::Index size);
 /// The same with two axes.
 Matrix to_matrix(const ArrayLike& values, const std::string& what);
+/// A contact problem whose G is an array, or a scipy.sparse.csr_array without duplicates and with ascending
+/// columns. @throws std::invalid_argument as to_matrix() and validate()
+ContactProblem to_problem(const py::object& G, const ArrayLike& b, const std::vector<ContactSet>& sets);
+/// G of a contact problem, as an array or a scipy.sparse.csr_array.
+py::object matrix_of(const ContactProblem& problem);
 /// @throws py::type_error if the object's __init__ has not been called: there is no C++ object then
 void require_initialised(py::handle self);
 /// A recording with these columns, as Recording.columns() gives them.

@@ -168,7 +168,7 @@ double PyConfiguration::kinetic_energy(const Vec& v) const {
 
 PyContactStage::PyContactStage(const NonSmoothDynamicalSystem& model, ContactSolver& solver)
     : model_(std::make_shared<NonSmoothDynamicalSystem>(model)),
-      layout_(std::make_shared<Layout>(*model_)),
+      layout_(std::make_shared<Layout>(*model_, solver.tolerance())),
       stage_(layout_, solver) {}
 
 ContactImpulses PyContactStage::solve(const std::vector<int>& active, PyConfiguration& constraint,

@@ -146,7 +146,7 @@ double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a
     for (int j = system.offset; j < system.offset + system.n; ++j)
       size += std::abs(*J++) * (std::abs(v[j]) + dt * std::abs(a[j]));
   }
-  return default_tolerance * size;
+  return layout_->tolerance * size;
 }
 
 double Configuration::gap_tolerance(int contact, int row) {

@@ -11,13 +11,18 @@ constexpr int reserved_rows = 256;
 }  // namespace
 
 ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout,
-                                 std::shared_ptr<const Partition> partition)
-    : layout_(std::move(layout)), partition_(std::move(partition)), touching_(partition_->blocks.size()) {
-  const int rows = std::min(layout_->rows, reserved_rows);
+                                 std::shared_ptr<const Partition> partition, bool sparse)
+    : layout_(std::move(layout)),
+      partition_(std::move(partition)),
+      sparse_(sparse),
+      touching_(partition_->blocks.size()) {
+  const int rows = sparse_ ? 0 : std::min(layout_->rows, reserved_rows);
   problem_.G.reserve(rows, rows);
+  problem_.tolerance = layout_->tolerance;
   problem_.b.reserve(layout_->rows);
   problem_.sets.reserve(layout_->rows);
   active_.reserve(layout_->contacts.size());
+  first_row_.reserve(layout_->contacts.size());
   touched_.reserve(touching_.size());
   std::vector<int> sides_on(touching_.size(), 0);
   for (const auto& contact : layout_->contacts) {
@@ -48,9 +53,22 @@ void ContactAssembly::place(const Layout::Contact& contact) {
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
                                Configuration& force, const BlockInverse& inverse) {
   const bool constant = inverse.constant() && !layout_->varying_jacobian;
-  if (constant && constant_ && active == active_) return;  // G is still what it was
+  const bool same = active == active_;
+  if (constant && constant_ && same) return;  // G is still what it was
   constant_ = constant;
+  if (!same) choose(active);
+  for (int contact : active_) respond(contact, force.jacobian(contact), inverse);
+  if (sparse_)
+    std::fill(problem_.sparse.value.begin(), problem_.sparse.value.end(), 0.0);
+  else
+    problem_.G.view().setZero();
+  for (int block : touched_) assemble_shared(block, constraint);
+}
+
+// Laws, size and structure of the problem of some contacts
+void ContactAssembly::choose(const std::vector<int>& active) {
   active_ = active;
+  first_row_.clear();
   problem_.sets.clear();
   for (int block : touched_) touching_[block].clear();
   touched_.clear();
@@ -59,13 +77,43 @@ void ContactAssembly::assemble(const std::vector<int>& active, Configuration& co
     const auto& contact = layout_->contacts[active_[index]];
     for (const ContactSet& set : contact.law->sets) problem_.sets.push_back(set);
     touch(static_cast<int>(index), row);
-    respond(active_[index], force.jacobian(active_[index]), inverse);
+    first_row_.push_back(row);
     row += contact.rows;
   }
   problem_.b.resize(row);
-  problem_.G.resize(row, row);
-  problem_.G.view().setZero();
-  for (int block : touched_) assemble_shared(block, constraint);
+  if (!sparse_) {
+    problem_.G.resize(row, row);
+    return;
+  }
+  problem_.sparse.clear();
+  neighbours_.clear();
+  first_neighbour_.clear();
+  for (std::size_t index = 0; index < active_.size(); ++index) find_neighbours(static_cast<int>(index));
+}
+
+// The sparse rows of a contact: a column for every row of the contacts on its one or two blocks, in order
+void ContactAssembly::find_neighbours(int index) {
+  const auto& contact = layout_->contacts[active_[index]];
+  const auto& first = touching_[partition_->places[contact.system[0]].block];
+  const auto& second = touching_[partition_->places[contact.system[contact.sides - 1]].block];
+  first_neighbour_.push_back(static_cast<int>(neighbours_.size()));
+  int width = 0;
+  auto a = first.begin(), b = second.begin();
+  while (a != first.end() || b != second.end()) {
+    const Touch& next = b == second.end() || (a != first.end() && a->index <= b->index) ? *a : *b;
+    neighbours_.push_back({next.index, width});
+    width += layout_->contacts[active_[next.index]].rows;
+    const int taken = next.index;
+    while (a != first.end() && a->index == taken) ++a;
+    while (b != second.end() && b->index == taken) ++b;
+  }
+  for (int i = 0; i < contact.rows; ++i) {
+    for (std::size_t k = first_neighbour_.back(); k < neighbours_.size(); ++k) {
+      const int rows = layout_->contacts[active_[neighbours_[k].index]].rows;
+      for (int j = 0; j < rows; ++j) problem_.sparse.add(first_row_[neighbours_[k].index] + j, 0.0);
+    }
+    problem_.sparse.end_row();
+  }
 }
 
 // Notes the contact on the blocks of its systems.
@@ -104,17 +152,20 @@ void ContactAssembly::assemble_shared(int block, Configuration& constraint) {
   for (const Touch& a : touching_[block]) {
     const auto& left = layout_->contacts[active_[a.index]];
     const double* Wa = constraint.jacobian(active_[a.index]) + a.column;
+    const Neighbour* neighbour = sparse_ ? neighbours_.data() + first_neighbour_[a.index] : nullptr;
     for (const Touch& b : touching_[block]) {
       if (!b.first) continue;
       const Extent& right = extents_[active_[b.index]];
       const int rows = layout_->contacts[active_[b.index]].rows;
       const double* Xb = minv_w_.data() + right.start + b.block_column + a.offset;
-      for (int i = 0; i < left.rows; ++i)
-        for (int j = 0; j < rows; ++j) {
-          double sum = 0.0;
-          for (int k = 0; k < a.n; ++k) sum += Wa[i * left.n + k] * Xb[j * right.width + k];
-          problem_.G(a.row + i, b.row + j) += sum;
-        }
+      if (sparse_)
+        while (neighbour->index != b.index) ++neighbour;
+      for (int i = 0; i < left.rows; ++i) {
+        double* to =
+            sparse_ ? problem_.sparse.row(a.row + i) + neighbour->column : problem_.G.row(a.row + i) + b.row;
+        for (int j = 0; j < rows; ++j)
+          for (int k = 0; k < a.n; ++k) to[j] += Wa[i * left.n + k] * Xb[j * right.width + k];
+      }
     }
   }
 }
@@ -151,9 +202,8 @@ double ContactAssembly::work(const PoolVec& P, const Vec& gamma) const {
   for (int contact : active_) {
     const auto& slot = layout_->contacts[contact];
     for (int i = 0; i < slot.rows; ++i, ++row) {
-      const double* G = problem_.G.row(row);
       double jump = 0.0;
-      for (int j = 0; j < problem_.rows(); ++j) jump += G[j] * P[j];
+      for_row(problem_, row, [&](int j, double entry) { jump += entry * P[j]; });
       sum += P[row] * (gamma[slot.row + i] + 0.5 * jump);
     }
   }

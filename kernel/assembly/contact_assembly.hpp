@@ -13,7 +13,9 @@ namespace saltus {
 class ContactAssembly {
  public:
   /// @param partition  of that matrix
-  ContactAssembly(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition);
+  /// @param sparse     G is made of sparse rows
+  ContactAssembly(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition,
+                  bool sparse = false);
 
   /// Chooses the contacts, in ascending order, and assembles G; b is left to the caller.
   /// @param force    whose W directs the forces
@@ -41,7 +43,9 @@ class ContactAssembly {
 
  private:
   void place(const Layout::Contact& contact);
+  void choose(const std::vector<int>& active);
   void touch(int index, int row);
+  void find_neighbours(int index);
   void respond(int contact, const double* W, const BlockInverse& inverse);
   void assemble_shared(int block, Configuration& constraint);
 
@@ -66,8 +70,14 @@ class ContactAssembly {
     bool first;        // side of the contact on this block
   };
 
+  struct Neighbour {  // an active contact that shares a block with another one
+    int index;        // among the active contacts
+    int column;       // where its entries start in the sparse rows of the other one
+  };
+
   std::shared_ptr<const Layout> layout_;
   std::shared_ptr<const Partition> partition_;
+  bool sparse_;
   ContactProblem problem_;
   std::vector<int> active_;
   bool constant_ = false;  // G depends on active_ alone
@@ -76,6 +86,9 @@ class ContactAssembly {
   std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ of all contacts
   std::vector<std::vector<Touch>> touching_;  // per block
   std::vector<int> touched_;                  // blocks with a non-empty list
+  std::vector<Neighbour> neighbours_;         // of the first active contact, of the second...
+  std::vector<int> first_neighbour_;          // of each active contact
+  std::vector<int> first_row_;                // of each active contact in the problem
 };
 
 }  // namespace saltus

@@ -2,7 +2,7 @@
 
 namespace saltus {
 
-Layout::Layout(const NonSmoothDynamicalSystem& model) {
+Layout::Layout(const NonSmoothDynamicalSystem& model, double tolerance) : tolerance(tolerance) {
   for (const auto& system : model.systems()) {
     const int size = system->dimension();
     systems.push_back({system.get(), n, size, mass_entries, system->constant_mass()});

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "saltus/kernel/model/nonsmooth_dynamical_system.hpp"
+#include "saltus/numerics/contact_problem.hpp"
 
 namespace saltus {
 
@@ -36,7 +37,8 @@ struct Layout {
     const ForceElement* element;
   };
 
-  explicit Layout(const NonSmoothDynamicalSystem& model);
+  /// @param tolerance  of contact problems
+  explicit Layout(const NonSmoothDynamicalSystem& model, double tolerance = default_tolerance);
 
   /// The part of x (n) that belongs to these systems; gathered into `both` if there are two.
   In local(const Sides& part, const Vec& x, double* both) const {
@@ -51,8 +53,9 @@ struct Layout {
   std::vector<System> systems;
   std::vector<Contact> contacts;
   std::vector<Force> forces;
-  int n = 0;     ///< freedoms
-  int rows = 0;  ///< rows of all contacts
+  double tolerance;  ///< ContactProblem::tolerance
+  int n = 0;         ///< freedoms
+  int rows = 0;      ///< rows of all contacts
   int gaps = 0;
   int largest_contact = 0;        ///< largest n of a contact
   int largest_force = 0;          ///< largest n of a force element

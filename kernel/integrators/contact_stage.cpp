@@ -3,13 +3,19 @@
 #include <stdexcept>
 
 namespace saltus {
+namespace {
+
+constexpr int most_dense_rows = 64;  // of all contacts: beyond, G has few entries for most models
+
+}  // namespace
 
 ContactStage::ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& solver)
     : ContactStage(layout, one_block_a_system(*layout), solver) {}
 
 ContactStage::ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition,
                            ContactSolver& solver)
-    : assembly_(layout, std::move(partition)), solver_(&solver) {
+    : assembly_(layout, std::move(partition), layout->rows > most_dense_rows && solver.takes_sparse()),
+      solver_(&solver) {
   // A problem with one contact stands for its law: solvers refuse laws, or too many contacts later.
   for (const auto& contact : layout->contacts) {
     ContactProblem one;

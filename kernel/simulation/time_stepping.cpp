@@ -74,6 +74,7 @@ TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepI
       layout_(std::make_shared<Layout>(model_)),
       view_(layout_),
       velocities_(Vec::Zero(layout_->rows)) {
+  solver_.set_tolerance(solver.tolerance());
   reactions_.set_zero(layout_->rows);
   state_.held.reserve(layout_->contacts.size());
   check_start();

@@ -1,6 +1,7 @@
 #include "saltus/numerics/solvers/active_set.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace saltus {
 namespace {
@@ -12,7 +13,29 @@ void turn_pair(double& first, double& second, Direction e) {
   first = along;
 }
 
+// Argument of the projection in (32) outside the disc: the derivative of y -> radius y/|y| is radius/|y|
+// times the projection across y.
+Mode mode_in_space(const Coulomb& law, double d, const double* P, const double* xi, Slip& slip) {
+  const double first = d * P[1] - xi[1], second = d * P[2] - xi[2];
+  const double length = std::hypot(first, second);
+  const double radius = law.mu * d * std::max(P[0], 0.0);
+  if (length <= radius) return Mode::closed;
+  slip = {{first / length, second / length}, radius / length, d * (1.0 - radius / length)};
+  return Mode::slip_space;
+}
+
 }  // namespace
+
+Mode read_mode(const ContactSet& set, double d, const double* P, const double* xi, Slip& slip) {
+  if (std::holds_alternative<Equality>(set)) return Mode::closed;
+  if (!(d * P[0] - xi[0] > 0.0)) return Mode::open;  // argument of the projection in (31)
+  const auto* law = std::get_if<Coulomb>(&set);
+  if (!law) return Mode::closed;
+  if (law->dim == 3) return mode_in_space(*law, d, P, xi, slip);
+  const double tangential = d * P[1] - xi[1];  // argument of the projection in (32)
+  if (std::abs(tangential) <= law->mu * d * std::max(P[0], 0.0)) return Mode::closed;
+  return tangential > 0.0 ? Mode::slip_plus : Mode::slip_minus;
+}
 
 void ActiveSet::reserve(int rows) {
   modes_.reserve(rows);

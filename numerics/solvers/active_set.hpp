@@ -25,6 +25,12 @@ struct Slip {
   double shift = 1.0;   ///< d (1 - ratio) [1/kg], d of certify()
 };
 
+/// What a contact does, by the arguments of the projections (31)-(32) with r = 1/d.
+/// @param P         (rows of it) [N s]
+/// @param xi        (rows of it) [m/s]
+/// @param[out] slip set if the mode is slip_space
+Mode read_mode(const ContactSet& set, double d, const double* P, const double* xi, Slip& slip);
+
 /// Solves the linear equations that belong to a choice of modes.
 class ActiveSet {
  public:

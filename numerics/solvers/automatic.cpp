@@ -9,6 +9,9 @@ namespace saltus {
 namespace {
 
 constexpr int most_rounds = 50;
+constexpr int most_reserved_rows =
+    256;  // of dense methods, whose storage is their square: beyond, it grows when needed
+constexpr int most_dense_rows = 48;  // of a component: beyond, sparse equations are cheaper
 // Of the rounds together, counted in operations of Newton's method: seconds, where small problems take all
 // rounds.
 constexpr double most_work = 2e10;
@@ -21,15 +24,19 @@ int rounds(int rows) {
 }  // namespace
 
 void Automatic::reserve(int rows) {
-  newton_.reserve(rows);
-  enumeration_.reserve(rows);
-  lemke_.reserve(rows);
-  subsets_.reserve(rows);
+  const int dense = std::min(rows, most_reserved_rows);
+  newton_.reserve(dense);
+  enumeration_.reserve(dense);
+  lemke_.reserve(dense);
+  subsets_.reserve(dense);
   prox_.reserve(rows);
   sweeps_.reserve(rows);
   trial_.reserve(rows);
   sweeps_P_.reserve(rows);
   xi_.reserve(rows);
+  part_P_.reserve(rows);
+  proximal_.reserve(rows);
+  components_.reserve(rows);
 }
 
 // One contact alone has a closed form.
@@ -44,6 +51,35 @@ SolveReport Automatic::solve_single(const ContactProblem& problem, double* P) {
 }
 
 SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
+  return problem.is_sparse() ? solve_components(problem, P) : solve_dense(problem, P);
+}
+
+SolveReport Automatic::solve_components(const ContactProblem& problem, double* P) {
+  SolveReport report;
+  int largest = 0;
+  const int count = components_.find(problem);
+  for (int k = 0; k < count; ++k) {
+    const int rows = components_.rows(k);
+    const bool sparse = rows > most_dense_rows;
+    const ContactProblem& part = components_.part(problem, k, sparse);
+    part_P_.resize(rows);
+    components_.gather(k, P, part_P_.data());
+    const SolveReport of_part =
+        sparse ? proximal_.solve(part, part_P_.data()) : solve_dense(part, part_P_.data());
+    components_.scatter(k, part_P_.data(), P);
+    report.iterations += of_part.iterations;
+    if (of_part.status != SolveStatus::solved) report.status = of_part.status;
+    if (rows > largest) report.solver = of_part.solver;
+    largest = std::max(largest, rows);
+  }
+  xi_.resize(problem.rows());
+  report.certificate = certify(problem, P, xi_.data());
+  if (report.status == SolveStatus::solved && !report.certificate.within(problem.tolerance))
+    report.status = SolveStatus::breakdown;
+  return report;
+}
+
+SolveReport Automatic::solve_dense(const ContactProblem& problem, double* P) {
   const int rows = problem.rows();
   const bool single = problem.contacts() == 1;
   const bool cold = !single && std::all_of(P, P + rows, [](double p) { return p == 0.0; });

@@ -1,8 +1,31 @@
 #include "saltus/numerics/solvers/nsgs.hpp"
 
+#include <algorithm>
+
 #include "saltus/numerics/solvers/one_contact.hpp"
 
 namespace saltus {
+
+void sweep(const ContactProblem& problem, double* P) {
+  int row = 0;
+  for (const ContactSet& set : problem.sets) {
+    const int rows = rows_of(set);
+    double c[3] = {0.0, 0.0, 0.0};  // xi of this contact without its own P
+    double own[9];                  // its block of G
+    for (int i = 0; i < rows; ++i) {
+      c[i] = problem.b[row + i];
+      std::fill_n(own + 3 * i, 3, 0.0);
+      for_row(problem, row + i, [&](int j, double entry) {
+        if (j >= row && j < row + rows)
+          own[3 * i + j - row] = entry;
+        else
+          c[i] += entry * P[j];
+      });
+    }
+    solve_one_contact(set, own, 3, c, P + row);
+    row += rows;
+  }
+}
 
 SolveReport Nsgs::solve(const ContactProblem& problem, double* P) {
   xi_.resize(problem.rows());
@@ -11,19 +34,7 @@ SolveReport Nsgs::solve(const ContactProblem& problem, double* P) {
     report.certificate = certify(problem, P, xi_.data());
     if (report.certificate.within(problem.tolerance)) return report;
     if (report.iterations == sweeps_) break;
-    int row = 0;
-    for (const ContactSet& set : problem.sets) {
-      const int rows = rows_of(set);
-      double c[3] = {0.0, 0.0, 0.0};  // xi of this contact without its own P
-      for (int i = 0; i < rows; ++i) {
-        const double* G = problem.G.row(row + i);
-        c[i] = problem.b[row + i];
-        for (int j = 0; j < problem.rows(); ++j)
-          if (j < row || j >= row + rows) c[i] += G[j] * P[j];
-      }
-      solve_one_contact(set, problem.G.row(row) + row, problem.rows(), c, P + row);
-      row += rows;
-    }
+    sweep(problem, P);
   }
   report.status = SolveStatus::iteration_limit;
   return report;

@@ -4,6 +4,7 @@
 #include "saltus/numerics/solvers/automatic.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
 #include "saltus/numerics/solvers/prox_fixed_point.hpp"
+#include "saltus/numerics/solvers/proximal_newton.hpp"
 
 namespace saltus {
 namespace {
@@ -24,6 +25,9 @@ Registry<SolverEntry>& table() {
           {"enumeration", "every combination of modes, small plane problems", make<Enumeration>},
           {"lemke", "Lemke's method, plane friction as a linear complementarity problem", make<Lemke>},
           {"nsgs", "nonsmooth Gauss-Seidel sweeps, each contact solved exactly", make<Nsgs>},
+          {"proximal-newton",
+           "proximal point iterations, each solved by Newton's method with sparse equations",
+           make<ProximalNewton>},
           {"prox-fixed-point", "projected sweeps, P <- prox(P - r xi), steps adapt to the residual",
            make<ProxFixedPoint>},
       });

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from saltus.io import Trajectory
 from saltus.shapes import Pose, Shape
-from saltus.typing import FloatArray, IntegratorEntry, ModelFunction, OptionValue
+from saltus.typing import FloatArray, IntegratorEntry, Matrix, ModelFunction, OptionValue
 
 __version__: str
 
@@ -41,7 +41,7 @@ class ContactSolution:
     def iterations(self) -> int: ...
 
 def solve(
-    G: ArrayLike,
+    G: ArrayLike | Matrix,
     b: ArrayLike,
     sets: Sequence[Equality | NonNegative | Coulomb],
     solver: str = "auto",
@@ -61,7 +61,7 @@ class ProblemSolution:
     def iterations(self) -> int: ...
 
 def solve_problem(
-    G: ArrayLike,
+    G: ArrayLike | Matrix,
     b: ArrayLike,
     sets: Sequence[Equality | NonNegative | Coulomb],
     solver: str,
@@ -69,7 +69,7 @@ def solve_problem(
     warm_start: ArrayLike | None,
 ) -> ProblemSolution: ...
 def problem_residual(
-    G: ArrayLike, b: ArrayLike, sets: Sequence[Equality | NonNegative | Coulomb], P: ArrayLike
+    G: ArrayLike | Matrix, b: ArrayLike, sets: Sequence[Equality | NonNegative | Coulomb], P: ArrayLike
 ) -> float: ...
 
 class ContactSolver:
@@ -345,6 +345,7 @@ class TimeSteppingBase:
         integrator: OneStepIntegrator,
         time_step: float,
         solver: str,
+        tolerance: float = 1e-12,
     ) -> None: ...
     def add_observer(self, observer: Observer) -> None: ...
     def add_callback(
@@ -353,7 +354,7 @@ class TimeSteppingBase:
     def watch_problems(
         self,
         watcher: Callable[
-            [FloatArray, FloatArray, list[Equality | NonNegative | Coulomb], FloatArray, str], object
+            [Matrix, FloatArray, list[Equality | NonNegative | Coulomb], FloatArray, str], object
         ]
         | None,
     ) -> None: ...

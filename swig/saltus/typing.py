@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
     from saltus._core import Tableau
 
 FloatArray = NDArray[np.float64]
+Matrix: TypeAlias = Union[FloatArray, "csr_array"]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 

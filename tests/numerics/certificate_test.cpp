@@ -104,8 +104,9 @@ TEST(Certificate, ANaNIsNeverWithinTolerance) {
 
 TEST(Certificate, ScaleOfAContact) {
   const Matrix G = (Matrix(3, 3) << 1.0, 9.0, 9.0, 9.0, -4.0, 9.0, 9.0, 9.0, 0.0).finished();
-  EXPECT_DOUBLE_EQ(contact_scale(PoolMatrix(G), 0, 2), 4.0);
-  EXPECT_DOUBLE_EQ(contact_scale(PoolMatrix(G), 2, 1), 1.0);  // a contact that moves nothing
+  const ContactProblem problem{G, Vec(Vec::Zero(3)), {Coulomb{}, NonNegative{}}};
+  EXPECT_DOUBLE_EQ(contact_scale(problem, 0, 2), 4.0);
+  EXPECT_DOUBLE_EQ(contact_scale(problem, 2, 1), 1.0);  // a contact that moves nothing
 }
 
 }  // namespace

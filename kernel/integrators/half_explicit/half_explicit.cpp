@@ -55,7 +55,7 @@ HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettin
 
 void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
   if (settings_.level == Level::acceleration) require_acceleration_level(name_, model);
-  layout_ = std::make_shared<Layout>(model);
+  layout_ = std::make_shared<Layout>(model, solver.tolerance());
   slot_.assign(1, 0);
   for (int l = 1; l <= s_ + 1; ++l) slot_.push_back(slot_.back() + (same_as_last_[l] ? 0 : 1));
   const Configuration blank(layout_);
@@ -139,7 +139,7 @@ bool HalfExplicit::approaches(double dt) {
 bool HalfExplicit::within_reach(int contact, double dt) {
   const Stage& last = stages_[s_];
   const double speed =
-      at(s_ + 1).velocity_tolerance(contact, last.v, last.acceleration, dt) / default_tolerance;
+      at(s_ + 1).velocity_tolerance(contact, last.v, last.acceleration, dt) / layout_->tolerance;
   return at(s_ + 1).gaps()[layout_->contacts[contact].gap] <= dt * speed;
 }
 
@@ -287,13 +287,13 @@ bool HalfExplicit::newly_closed() {
 // that do not follow each other in time cannot tell when it changes: their multipliers would throw it up, or
 // to and fro, by a part of h Δt again and again.
 bool HalfExplicit::changes_contacts(int last, double dt) {
-  const PoolMatrix& G = contacts_->assembly().problem().G;  // of active_
+  const ContactProblem& problem = contacts_->assembly().problem();  // of active_
   int row = 0;
   for (int k : active_) {
     const auto& slot = layout_->contacts[k];
     const double tolerance = at(0).velocity_tolerance(k, stages_[0].v, stages_[0].acceleration, dt);
     // What rounding makes of no force: an impulse that changes γ by a few times its tolerance.
-    const double zero = force_in_tolerances * tolerance / (dt * least_weight_ * G(row, row));
+    const double zero = force_in_tolerances * tolerance / (dt * least_weight_ * entry(problem, row, row));
     row += slot.rows;
     if (slot.law->bilateral) continue;
     for (int stage = 1; stage <= last; ++stage)

@@ -7,7 +7,7 @@
 namespace saltus {
 
 void ExplicitMoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
-  layout_ = std::make_shared<Layout>(model);
+  layout_ = std::make_shared<Layout>(model, solver.tolerance());
   configurations_.assign(2, Configuration(layout_));
   for (auto& configuration : configurations_) configuration.move_to(model.q0());
   contacts_ = std::make_unique<ContactStage>(layout_, solver);

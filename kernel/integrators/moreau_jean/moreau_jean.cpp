@@ -21,7 +21,7 @@ MoreauJean::MoreauJean(double theta) : theta_(theta) {
 }
 
 void MoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
-  layout_ = std::make_shared<Layout>(model);
+  layout_ = std::make_shared<Layout>(model, solver.tolerance());
   configurations_.assign(2, Configuration(layout_));
   middle_ = std::make_unique<Configuration>(configurations_[0]);
   for (auto& configuration : configurations_) configuration.move_to(model.q0());
@@ -43,7 +43,7 @@ StepReport MoreauJean::step(double dt, State& state, Reactions& reactions) {
   if (!begin(dt, state, report)) return report;
   contacts_->P().resize(0);
   for (int iteration = 1;; ++iteration) {
-    if (!iterate(dt, state, report)) return report;
+    if (!iterate(dt, state, reactions, report)) return report;
     change_ = next_ - v_;
     v_ = next_;
     if (linear_ || change_.cwiseAbs().maxCoeff() <= newton_tolerance * size_) break;
@@ -87,7 +87,7 @@ bool MoreauJean::move(double dt, const State& state, StepReport& report) {
 }
 
 // One of Newton's iterations, from v_ to next_, with the contact problem inside
-bool MoreauJean::iterate(double dt, const State& state, StepReport& report) {
+bool MoreauJean::iterate(double dt, const State& state, const Reactions& reactions, StepReport& report) {
   if (!move(dt, state, report)) return false;
   Configuration& end = configurations_[1];
   evaluate_forces(*layout_, state.t + dt, end.q(), v_, h_end_);
@@ -113,10 +113,7 @@ bool MoreauJean::iterate(double dt, const State& state, StepReport& report) {
   assembly.set_b(end, next_);
   assembly.add_restitution(gamma_before_);
   PoolVec& P = contacts_->P();
-  if (P.size() != assembly.problem().rows()) {
-    P.resize(assembly.problem().rows());
-    P.view().setZero();
-  }
+  if (P.size() != assembly.problem().rows()) assembly.gather(reactions.impulse, 1.0, P);  // of the last step
   if (!contacts_->solve(report)) return false;
   assembly.apply(1.0, P.data(), next_);
   return true;

@@ -25,7 +25,7 @@ class MoreauJean final : public OneStepIntegrator {
 
  private:
   bool begin(double dt, const State& state, StepReport& report);
-  bool iterate(double dt, const State& state, StepReport& report);
+  bool iterate(double dt, const State& state, const Reactions& reactions, StepReport& report);
   bool move(double dt, const State& state, StepReport& report);
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
 

@@ -13,7 +13,7 @@ from saltus.numerics.problems import FrictionProblem, stage_problem
 if TYPE_CHECKING:
     from saltus.kernel import TimeStepping
     from saltus.numerics.problems import Sets
-    from saltus.typing import FloatArray
+    from saltus.typing import FloatArray, Matrix
 
 When = Literal["all", "failed"] | Callable[[FrictionProblem, str], bool]
 
@@ -36,7 +36,7 @@ class ProblemDump:
         """Write no more."""
         self._simulation.watch_problems(None)
 
-    def _see(self, G: FloatArray, b: FloatArray, sets: Sets, _: FloatArray, status: str) -> None:
+    def _see(self, G: Matrix, b: FloatArray, sets: Sets, _: FloatArray, status: str) -> None:
         step = self._simulation.steps
         self._number = self._number + 1 if step == self._step else 0
         self._step = step

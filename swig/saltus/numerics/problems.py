@@ -16,10 +16,12 @@ from saltus._core import Coulomb, Equality, NonNegative, ProblemSolution
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from saltus.typing import FloatArray
+    from saltus.typing import FloatArray, Matrix
 
     Sets = list[Equality | NonNegative | Coulomb]
-    Matrix = FloatArray | sparse.csr_array
+
+
+MOST_DENSE_ROWS = 64  #: sparse matrices with more rows stay sparse
 
 
 class Problem:
@@ -64,11 +66,11 @@ class Problem:
             finite, or the warm start is not finite or has another size.
         """
         name = registry.solver(solver)
-        return _core.solve_problem(self.dense(), self.q, self.sets, name, tolerance, warm_start)
+        return _core.solve_problem(self._stored(), self.q, self.sets, name, tolerance, warm_start)
 
     def residual(self, solution: ArrayLike) -> float:
         """The relative residual of a solution (n,), as the class defines it."""
-        return _core.problem_residual(self.dense(), self.q, self.sets, solution)
+        return _core.problem_residual(self._stored(), self.q, self.sets, solution)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write it to a file: FCLib's HDF5 (".hdf5", ".h5", friction only) or Siconos's ASCII (".dat").
@@ -95,8 +97,12 @@ class Problem:
         """The laws in the order of the rows."""
         raise NotImplementedError
 
+    def _stored(self) -> Matrix:
+        """The matrix as the solvers take it: sparse ones stay so where that pays."""
+        return self.dense() if self.q.size <= MOST_DENSE_ROWS else self._matrix
+
     def dense(self) -> FloatArray:
-        """The matrix as the solvers take it: the one place where a sparse matrix stops being one."""
+        """The matrix as an array."""
         return self._matrix.toarray() if isinstance(self._matrix, sparse.csr_array) else self._matrix
 
 
@@ -277,7 +283,7 @@ def friction(
 
 
 def stage_problem(
-    G: FloatArray, b: FloatArray, sets: Sequence[Equality | NonNegative | Coulomb]
+    G: Matrix, b: FloatArray, sets: Sequence[Equality | NonNegative | Coulomb]
 ) -> FrictionProblem:
     """A contact problem of a simulation as contacts of one dimension and equalities behind them.
 
@@ -299,10 +305,12 @@ def stage_problem(
         row += count
     order = np.array(source + equalities, dtype=int)
     at = np.flatnonzero(order >= 0)
-    W, q = np.zeros((order.size, order.size)), np.zeros(order.size)
-    W[np.ix_(at, at)] = G[np.ix_(order[at], order[at])]
-    q[at] = b[order[at]]
-    return FrictionProblem(W, q, mu, dim, n_equalities=len(equalities))
+    spread = sparse.csr_array((np.ones(at.size), (at, order[at])), shape=(order.size, b.size))
+    W: sparse.csr_array = spread @ sparse.csr_array(G) @ spread.T
+    q = spread @ b
+    if isinstance(G, sparse.csr_array):
+        return FrictionProblem(W, q, mu, dim, n_equalities=len(equalities))
+    return FrictionProblem(W.toarray(), q, mu, dim, n_equalities=len(equalities))
 
 
 def _count(value: object, what: str, most: int) -> int:
@@ -320,6 +328,7 @@ def _matrix(values: Any, name: str) -> Matrix:
     if given.ndim != 2:
         raise ValueError(f"{name} must have two axes, got shape {given.shape}")
     matrix: sparse.csr_array = sparse.csr_array(given.astype(np.float64))
+    matrix.sum_duplicates()  # sorts the columns as well
     if not np.isfinite(matrix.data).all():
         raise ValueError(f"{name} must be finite, got NaN or infinity")
     return matrix

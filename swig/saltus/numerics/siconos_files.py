@@ -27,8 +27,7 @@ from scipy import sparse
 from saltus.numerics.problems import LCP, MLCP, FrictionProblem, Problem
 
 if TYPE_CHECKING:
-    from saltus.numerics.problems import Matrix
-    from saltus.typing import FloatArray, IntArray
+    from saltus.typing import FloatArray, IntArray, Matrix
 
 DENSE, SPARSE_BLOCK, SPARSE = 0, 1, 2
 _INTEGER = re.compile(r"[+-]?[0-9]{1,9}")
