@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from saltus.cli.junit import to_junit
-from saltus.cli.out import require_picture, require_writable, save
+from saltus.cli.out import require_picture, require_targets, save, wide_console, write
 from saltus.cli.progress import progress_bar
 from saltus.compare import Comparison, Row, compare, converge
 from saltus.registry import split_specs
 
 Columns: TypeAlias = dict[str, Callable[[Row], str]]
-
-MOST_WIDTH = 200  #: of the tables: a pipe is taken for 80 columns, and numbers must not be cut
 
 #: heading, and the text of a row
 MOTION: Columns = {
@@ -66,15 +63,19 @@ def run(
         If something given makes no sense, or a file cannot be read or written; nothing is computed then.
     """
     targets = {"json": json_to, "junit": junit_to, "markdown": markdown_to}
-    quiet = _require_targets([path for path in targets.values() if path is not None])
+    quiet = require_targets([path for path in targets.values() if path is not None])
     with progress_bar() as show:
         found = compare(
-            model, split_specs(integrators), time_steps=to_numbers(time_steps), progress=show, **settings
+            model,
+            split_specs(integrators),
+            time_steps=to_numbers(time_steps, "time steps"),
+            progress=show,
+            **settings,
         )
     makers = {"json": to_json_text, "junit": to_junit, "markdown": to_markdown}
     for name, path in targets.items():
         if path is not None:
-            _write(makers[name](found), path)
+            write(makers[name](found), path)
     if not quiet:
         print_comparison(found)
     return found.ok
@@ -84,33 +85,37 @@ def run_converge(
     model: str, integrators: str, time_steps: str, *, picture: Path, json_to: Path | None, **settings: Any
 ) -> None:
     """Measure orders, print and draw them. Raises as `run`."""
-    quiet = _require_targets([picture, *([] if json_to is None else [json_to])])
+    quiet = require_targets([picture, *([] if json_to is None else [json_to])])
     require_picture(picture)
     with progress_bar() as show:
         found = converge(
-            model, split_specs(integrators), time_steps=to_numbers(time_steps), progress=show, **settings
+            model,
+            split_specs(integrators),
+            time_steps=to_numbers(time_steps, "time steps"),
+            progress=show,
+            **settings,
         )
     from saltus.cli.converge import draw, orders
 
     save(draw(found), picture)
     if json_to is not None:
         content = [{**comparison.to_json(), "orders": orders(comparison)} for comparison in found]
-        _write(json.dumps({"comparisons": content}, indent=2, ensure_ascii=False) + "\n", json_to)
+        write(json.dumps({"comparisons": content}, indent=2, ensure_ascii=False) + "\n", json_to)
     if quiet:
         return
     for comparison in found:
         print_comparison(comparison)
         for what, order in orders(comparison).items():
-            _console().print(f"order of {what}: {number(order, '.2f')}", highlight=False)
-    _console().print(f"{picture}  picture", highlight=False)
+            wide_console().print(f"order of {what}: {number(order, '.2f')}", highlight=False)
+    wide_console().print(f"{picture}  picture", highlight=False)
 
 
-def to_numbers(text: str) -> list[float]:
+def to_numbers(text: str, what: str) -> list[float]:
     """Numbers between commas. Raises ValueError if there is something else."""
     try:
         return [float(part) for part in text.split(",") if part.strip()]
     except ValueError:
-        raise ValueError(f"time steps must be numbers between commas, got '{text}'") from None
+        raise ValueError(f"{what} must be numbers between commas, got '{text}'") from None
 
 
 def number(value: float | None, form: str = ".4g") -> str:
@@ -120,7 +125,7 @@ def number(value: float | None, form: str = ".4g") -> str:
 
 def print_comparison(found: Comparison) -> None:
     """Print to stdout: motion and cost, contacts, warnings and limits."""
-    console = _console()
+    console = wide_console()
     console.print(title(found), style="bold", highlight=False, soft_wrap=True)
     for columns in (MOTION, CONTACTS):
         console.print(grid_of(found, columns))
@@ -187,28 +192,3 @@ def to_markdown(found: Comparison) -> str:
     if found.limits and found.ok:
         notes.append(f"all limits hold: {limits_of(found)}")
     return "\n".join([*lines, "", *(f"- {note}" for note in notes)]).rstrip() + "\n"
-
-
-def _console() -> Console:
-    return Console(width=max(Console().width, MOST_WIDTH))
-
-
-def _require_targets(paths: Sequence[Path]) -> bool:
-    """Try the folders before anything is computed, and say whether one of the targets is stdout."""
-    to_stdout = [path for path in paths if str(path) == "-"]
-    if len(to_stdout) > 1:
-        raise ValueError("only one output can go to stdout, got '-' more than once")
-    for path in paths:
-        if str(path) == "-":
-            continue
-        if path.is_dir():
-            raise ValueError(f"expected a file to write, got the folder '{path}'")
-        require_writable(path.parent)
-    return bool(to_stdout)
-
-
-def _write(text: str, path: Path) -> None:
-    if str(path) == "-":
-        print(text, end="")
-    else:
-        path.write_text(text, encoding="utf-8")
