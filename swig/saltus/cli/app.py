@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 from saltus import __version__
 
@@ -68,8 +69,22 @@ def reproduce(
     run(what.value, out, as_json=json)
 
 
-@app.command()
-def bench(
+class _Bench(TyperGroup):
+    """Words that name nothing to measure are those of `models`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        named = args and args[0] in (*self.commands, "--help")
+        return super().parse_args(ctx, args if named else ["models", *args])
+
+
+bench = typer.Typer(cls=_Bench)
+app.add_typer(
+    bench, name="bench", help="Measure the time of a step, `bench models` or `bench`, or of a solve."
+)
+
+
+@bench.command(name="models")
+def bench_models(
     models: Annotated[
         list[str] | None, typer.Argument(metavar="[MODEL]...", help="Models to run; all if none is named.")
     ] = None,
@@ -86,6 +101,39 @@ def bench(
         run(models or [], integrator or [], as_json=json)
 
 
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write JSON; - prints it and nothing else.")
+]
+
+
+@bench.command(name="solvers")
+def bench_solvers(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="DIR", help="Problems: its .dat, .hdf5 and .h5 files; random ones if it is not given."
+        ),
+    ] = None,
+    solvers: Annotated[
+        str,
+        typer.Option(metavar="A,B,…", help="NAME, library:Class or file.py:Class; default: all."),
+    ] = "",
+    tolerances: Annotated[
+        str, typer.Option(metavar="TOL,TOL,…", help="Bounds on the residual of what is solved.")
+    ] = "1e-4,1e-8,1e-12",
+    time_out: Annotated[float, typer.Option(help="Of a solve, in s.")] = 10.0,
+    json: JsonFile = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Picture: performance profiles of Dolan and Moré.")
+    ] = None,
+) -> None:
+    """Compare contact solvers on problems: what they solve, in which time, and performance profiles."""
+    from saltus.cli.bench_solvers import run
+
+    with _misuse():
+        run(folder, solvers, tolerances, time_out=time_out, json_to=json, picture=out)
+
+
 ModelArgument = Annotated[
     str,
     typer.Argument(metavar="MODEL", help="A name (`saltus models`), file.py with build(), library:function."),
@@ -100,9 +148,6 @@ TimeSteps = Annotated[str, typer.Option(metavar="DT,DT,…", help="Time steps in
 Until = Annotated[float | None, typer.Option(help="End of the runs in s; default: the model's.")]
 Reference = Annotated[
     str | None, typer.Option(metavar="INTEGRATOR@DT|FILE", help="The run, or its HDF5 file, to compare with.")
-]
-JsonFile = Annotated[
-    Path | None, typer.Option("--json", metavar="FILE", help="Write JSON; - prints it and nothing else.")
 ]
 
 
