@@ -307,7 +307,7 @@ def stage_problem(
     at = np.flatnonzero(order >= 0)
     spread = sparse.csr_array((np.ones(at.size), (at, order[at])), shape=(order.size, b.size))
     W: sparse.csr_array = spread @ sparse.csr_array(G) @ spread.T
-    q = spread @ b
+    q: FloatArray = np.asarray(spread @ b)
     if isinstance(G, sparse.csr_array):
         return FrictionProblem(W, q, mu, dim, n_equalities=len(equalities))
     return FrictionProblem(W.toarray(), q, mu, dim, n_equalities=len(equalities))
