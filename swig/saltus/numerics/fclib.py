@@ -27,10 +27,14 @@ SYMMETRY = 1e-12  #: relative difference of W's coupling blocks that still is V 
 
 def read(path: str | os.PathLike[str]) -> FrictionProblem:
     """Read a local problem. Raises ValueError if the file is malformed, OSError if it cannot be read."""
-    with h5py.File(path, "r") as file:
+    try:
+        file = h5py.File(path, "r")
+    except (OSError, RuntimeError) as error:  # HDF5 has both
+        raise OSError(f"cannot read '{os.fspath(path)}': {error}") from error
+    with file:
         try:
             return _read(file.get("fclib_local"), Path(path).stat().st_size)
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, OSError, RuntimeError) as error:
             raise ValueError(f"{os.fspath(path)}: {error}") from error
 
 
@@ -39,13 +43,12 @@ def _read(group: Any, bytes_of_file: int) -> FrictionProblem:
         raise ValueError("expected a group 'fclib_local', there is none")
     reader = _Reader(group, bytes_of_file)
     dim = reader.integer("spacedim")
-    W = reader.matrix("W")
     q, mu = reader.array("vectors/q"), reader.array("vectors/mu")
+    W = reader.matrix("W", q.size, q.size)
     if "V" not in group:
         return FrictionProblem(W, q, mu, dim)
-    V, R, s = reader.matrix("V"), reader.matrix("R"), reader.array("vectors/s")
-    if V.shape[0] != W.shape[0] or R.shape != (V.shape[1], V.shape[1]):
-        raise ValueError(f"W, V and R do not fit together: they are {W.shape}, {V.shape}, {R.shape}")
+    s = reader.array("vectors/s")
+    V, R = reader.matrix("V", q.size, s.size), reader.matrix("R", s.size, s.size)
     blocks: Any = [[W, V], [V.T, R]]
     whole = sparse.csr_array(sparse.block_array(blocks))
     return FrictionProblem(whole, np.concatenate([q, s]), mu, dim, n_equalities=s.size)
@@ -72,10 +75,12 @@ class _Reader:
     def integer(self, name: str) -> int:
         return int(self.array(name, "i", 1)[0])
 
-    def matrix(self, name: str) -> sparse.csr_array:
+    def matrix(self, name: str, rows: int, columns: int) -> sparse.csr_array:
         m, n, nz = (self.integer(f"{name}/{size}") for size in ("m", "n", "nz"))
-        if m < 0 or n < 0 or nz < BY_ROWS:
-            raise ValueError(f"'{name}' must have m, n >= 0 and nz >= -2, got {m}, {n}, {nz}")
+        if (m, n) != (rows, columns):  # of the vectors, whose content is there
+            raise ValueError(f"'{name}' must be ({rows}, {columns}) as the vectors are, got ({m}, {n})")
+        if nz < BY_ROWS:
+            raise ValueError(f"'{name}' must have nz >= -2, got {nz}")
         if nz >= TRIPLETS:
             i, j = (self.array(f"{name}/{index}", "i", nz) for index in "ip")
             self._check(name, i, m)
@@ -84,7 +89,7 @@ class _Reader:
             return sparse.csr_array(sparse.coo_array((x, (i, j)), shape=(m, n)))
         lines, width = (n, m) if nz == BY_COLUMNS else (m, n)
         p = self.array(f"{name}/p", "i", lines + 1)
-        if p[0] != 0 or (np.diff(p) < 0).any():
+        if p[0] != 0 or (p[1:] < p[:-1]).any():  # compared: differences may overflow
             raise ValueError(f"'{name}/p' must rise from 0")
         i = self.array(f"{name}/i", "i", int(p[-1]))
         self._check(name, i, width)

@@ -328,7 +328,7 @@ def _matrix(values: Any, name: str) -> Matrix:
     if given.ndim != 2:
         raise ValueError(f"{name} must have two axes, got shape {given.shape}")
     matrix: sparse.csr_array = sparse.csr_array(given.astype(np.float64))
-    matrix.sum_duplicates()  # sorts the columns as well
+    matrix.sum_duplicates()  # sorts the columns; the sums must be finite too
     if not np.isfinite(matrix.data).all():
         raise ValueError(f"{name} must be finite, got NaN or infinity")
     return matrix

@@ -151,6 +151,7 @@ def _read_mlcp(words: _Words) -> MLCP:
     n, m = words.integers(2, "the numbers of equalities and of complementary rows")
     size = n + m
     if whole:
+        words.require(size, "M and q")
         ends = [words.integer("the first row of a block", 0, 0)]
         while ends[-1] < size:
             ends.append(words.integer("the first row of a block", ends[-1] + 1, size))
@@ -172,6 +173,7 @@ def _read_matrix(words: _Words, size: int, name: str) -> Matrix:
         words.integers(2, f"rows and columns of {name}", size, size)
         columns: FloatArray = words.numbers(size * size, name).reshape(size, size)
         return np.ascontiguousarray(columns.T)
+    words.require(size, name)  # it may have no entries, but q follows
     return _read_blocks(words, size, name) if storage == SPARSE_BLOCK else _read_sparse(words, size, name)
 
 
