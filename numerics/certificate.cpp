@@ -13,7 +13,7 @@ double tangential_residual(double d, double radius, const double* P, const doubl
     arg[k] = d * P[k] - xi[k];
     length = std::hypot(length, arg[k]);
   }
-  const double shrink = length > radius ? radius / length : 1.0;  // proj_{C_T}, (34)-(35)
+  const double shrink = length <= radius ? 1.0 : radius / length;  // proj_{C_T}, (34)-(35); NaN stays
   double residual = 0.0;
   for (int k = 0; k < count; ++k) residual = std::hypot(residual, d * P[k] - shrink * arg[k]);
   return residual;
@@ -40,9 +40,9 @@ Certificate certify(const ContactProblem& problem, const double* P, double* xi) 
     xi[i] = sum;
     certificate.scale = std::max(certificate.scale, size);
   }
-  // A NaN must not get lost in std::max: it is remembered by !(x <= y).
+  // A NaN must not get lost, neither the new one nor the old one.
   auto take = [&](double value) {
-    if (!(value <= certificate.residual)) certificate.residual = value;
+    if (!std::isnan(certificate.residual) && !(value <= certificate.residual)) certificate.residual = value;
   };
   int row = 0;
   for (const ContactSet& set : problem.sets) {
@@ -54,7 +54,7 @@ Certificate certify(const ContactProblem& problem, const double* P, double* xi) 
       take(std::abs(std::min(xi[row], d * P[row])));
       if (std::isnan(xi[row] + P[row])) take(xi[row] + P[row]);
       if (const auto* law = std::get_if<Coulomb>(&set)) {
-        const double radius = law->mu * d * std::max(P[row], 0.0);
+        const double radius = law->mu * (d * std::max(P[row], 0.0));  // no infinity times zero
         take(tangential_residual(d, radius, P + row + 1, xi + row + 1, count - 1));
       }
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "saltus/numerics/text.hpp"
@@ -9,7 +10,18 @@
 namespace saltus {
 namespace {
 
-double largest(const Vec& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0.0; }
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double largest(const Vec& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() : 0.0; }
+
+// |x|, also where squares would overflow or vanish
+double norm(const Vec& x) {
+  const double size = largest(x);
+  return size > 0.0 && std::isfinite(size) ? size * (x / size).norm() : size;
+}
+
+// Terms that have overflowed say nothing.
+double relative(double residual, double size) { return std::isfinite(size) ? residual / size : infinity; }
 
 // G P + b
 Vec response(const ContactProblem& problem, const double* P) {
@@ -22,15 +34,16 @@ Vec response(const ContactProblem& problem, const double* P) {
 // proj_K of x = (N, T...), K = { |T| <= mu N }
 void project_on_cone(double mu, Out x) {
   auto T = x.tail(x.size() - 1);
-  const double length = T.norm();
-  if (length <= mu * x[0]) return;
-  const double along = x[0] + mu * length;  // on the edge of the cone, times 1 + mu²
-  if (along <= 0.0) {                       // in the polar cone
+  const double length = norm(T);
+  if (x[0] >= 0.0 && length <= mu * x[0]) return;
+  const double edge = std::hypot(1.0, mu), cosine = 1.0 / edge, sine = mu / edge;
+  const double along = cosine * x[0] + sine * length;
+  if (along <= 0.0) {  // in the polar cone
     x.setZero();
     return;
   }
-  x[0] = along / (1.0 + mu * mu);
-  T *= mu * x[0] / length;
+  x[0] = cosine * along;
+  if (length > 0.0) T *= sine * along / length;
 }
 
 // d (r - proj(r - û/d)) of one contact, in the place of u
@@ -38,7 +51,7 @@ void natural_map(const ContactSet& set, double d, const double* r, Out u) {
   if (std::holds_alternative<Equality>(set)) return;
   const auto* law = std::get_if<Coulomb>(&set);
   const Vec force = d * In(r, u.size());
-  if (law) u[0] += law->mu * u.tail(u.size() - 1).norm();  // De Saxcé
+  if (law) u[0] += law->mu * norm(u.tail(u.size() - 1));  // De Saxcé
   u = force - u;
   if (law)
     project_on_cone(law->mu, u);
@@ -81,6 +94,7 @@ bool take_answer(const ContactProblem& problem, ContactSolver& method, ProblemSo
 double complementarity_residual(const ContactProblem& problem, const double* z) {
   const int rows = problem.rows();
   const In x(z, rows);
+  if (!x.allFinite()) return infinity;
   const Vec w = response(problem, z);
   double worst = 0.0;
   for (int i = 0; i < rows; ++i) {
@@ -88,20 +102,22 @@ double complementarity_residual(const ContactProblem& problem, const double* z) 
     if (std::holds_alternative<Coulomb>(set))
       throw std::invalid_argument("complementarity residual: there must be no friction, got a Coulomb set");
     const double entry = std::holds_alternative<Equality>(set) ? w[i] : std::min(w[i], x[i]) + 0.0 * w[i];
-    if (!(std::abs(entry) <= worst)) worst = std::abs(entry);  // NaN wins
+    if (std::isnan(entry)) return infinity;
+    worst = std::max(worst, std::abs(entry));
   }
   if (worst == 0.0) return 0.0;
-  double norm = 0.0;
+  double size_of_M = 0.0;
   for (int i = 0; i < rows; ++i) {
     double sum = 0.0;
     for_row(problem, i, [&](int, double entry) { sum += std::abs(entry); });
-    norm = std::max(norm, sum);
+    size_of_M = std::max(size_of_M, sum);
   }
-  return worst / (largest(problem.b.view()) + norm * largest(x));
+  return relative(worst, largest(problem.b.view()) + size_of_M * largest(x));
 }
 
 double friction_residual(const ContactProblem& problem, const double* r) {
   const int rows = problem.rows();
+  if (!In(r, rows).allFinite()) return infinity;
   Vec map = response(problem, r);
   double d = 0.0;
   for (int i = 0; i < rows; ++i) d = std::max(d, std::abs(entry(problem, i, i)));
@@ -112,8 +128,8 @@ double friction_residual(const ContactProblem& problem, const double* r) {
     natural_map(set, d, r + row, Out(map.data() + row, count));
     row += count;
   }
-  const double size = problem.b.view().norm();
-  return map.norm() / (size > 0.0 ? size : 1.0);
+  const double size = norm(problem.b.view());
+  return relative(norm(map), size > 0.0 ? size : 1.0);
 }
 
 double problem_residual(const ContactProblem& problem, const double* P) {

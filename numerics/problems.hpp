@@ -9,14 +9,16 @@ namespace saltus {
 
 /// Largest entry of the natural map of a linear complementarity problem w = M z + q, mixed with equalities:
 ///   |min(z_i, w_i)|, |w_i| in a row of an Equality,
-/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M; 0 if all vanish.
+/// divided by |q|_inf + |M|_inf |z|_inf, with the largest sum of a row as norm of M; 0 if all vanish,
+/// infinite if a term is not finite.
 /// @param z (rows)
 /// @throws std::invalid_argument if there is a Coulomb set
 double complementarity_residual(const ContactProblem& problem, const double* z);
 
 /// Norm of the natural map of Coulomb's law with De Saxcé's term, u = W r + q and d = max_k |W_kk|:
 ///   d |r - proj_K(r - (u + mu |u_T| n)/d)| / |q|,  K = { |r_T| <= mu r_N },
-/// as velocities; r_i >= 0 for NonNegative and u_i for Equality. Not divided where q = 0.
+/// as velocities; r_i >= 0 for NonNegative and u_i for Equality. Not divided where q = 0, infinite or NaN
+/// where a term has overflowed.
 /// De Saxcé, Feng, Math. Comput. Modelling 28 (1998) 225-245.
 /// @param r (rows)
 double friction_residual(const ContactProblem& problem, const double* r);

@@ -18,7 +18,7 @@ void turn_pair(double& first, double& second, Direction e) {
 Mode mode_in_space(const Coulomb& law, double d, const double* P, const double* xi, Slip& slip) {
   const double first = d * P[1] - xi[1], second = d * P[2] - xi[2];
   const double length = std::hypot(first, second);
-  const double radius = law.mu * d * std::max(P[0], 0.0);
+  const double radius = law.mu * (d * std::max(P[0], 0.0));
   if (length <= radius) return Mode::closed;
   slip = {{first / length, second / length}, radius / length, d * (1.0 - radius / length)};
   return Mode::slip_space;
@@ -33,7 +33,7 @@ Mode read_mode(const ContactSet& set, double d, const double* P, const double* x
   if (!law) return Mode::closed;
   if (law->dim == 3) return mode_in_space(*law, d, P, xi, slip);
   const double tangential = d * P[1] - xi[1];  // argument of the projection in (32)
-  if (std::abs(tangential) <= law->mu * d * std::max(P[0], 0.0)) return Mode::closed;
+  if (std::abs(tangential) <= law->mu * (d * std::max(P[0], 0.0))) return Mode::closed;
   return tangential > 0.0 ? Mode::slip_plus : Mode::slip_minus;
 }
 

@@ -55,7 +55,7 @@ SolveReport Enumeration::solve(const ContactProblem& problem, double* P) {
     active_.solve(problem, trial_.data());
     if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
   }
-  report.status = SolveStatus::breakdown;
+  if (!report.certificate.within(problem.tolerance)) report.status = SolveStatus::breakdown;
   return report;
 }
 

@@ -38,6 +38,7 @@ SolveReport Lemke::solve(const ContactProblem& problem, double* P) {
       if (outcome == LcpOutcome::iteration_limit) break;
     }
   }
+  if (report.certificate.within(problem.tolerance)) return report;  // P = 0
   report.status = outcome == LcpOutcome::ray               ? SolveStatus::ray
                   : outcome == LcpOutcome::iteration_limit ? SolveStatus::iteration_limit
                                                            : SolveStatus::breakdown;

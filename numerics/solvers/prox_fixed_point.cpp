@@ -69,6 +69,7 @@ SolveReport ProxFixedPoint::solve(const ContactProblem& problem, double* P) {
   const int rows = problem.rows();
   xi_.resize(rows);
   best_.resize(rows);
+  std::copy_n(P, rows, best_.data());  // where all residuals overflow the start is as good as any
   measure(problem);
   SolveReport report{.solver = name()};
   double omega = 1.0, best = std::numeric_limits<double>::infinity();

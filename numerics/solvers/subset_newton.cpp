@@ -48,7 +48,7 @@ SolveReport SubsetNewton::solve(const ContactProblem& problem, double* P) {
       if (keep_if_better(problem, trial_.data(), xi_.data(), report, P)) return report;
     }
   }
-  report.status = SolveStatus::breakdown;
+  if (!report.certificate.within(problem.tolerance)) report.status = SolveStatus::breakdown;
   return report;
 }
 

@@ -102,6 +102,14 @@ TEST(Certificate, ANaNIsNeverWithinTolerance) {
   EXPECT_FALSE(certificate_of(friction, {nan, 0.0}).within(1e-12));
 }
 
+TEST(Certificate, ALargeCoefficientOfFrictionIsNoForceWhereNothingPresses) {
+  // mu d overflows: at P_N = 0 the disc is a point all the same, and xi_T is the residual where P_T = xi_T/d
+  Matrix G = Matrix::Zero(2, 2);
+  G(1, 1) = 1e180;
+  const auto problem = problem_of(G, (Vec(2) << 0.0, 1e180).finished(), {Coulomb{1e200, 2}});
+  EXPECT_DOUBLE_EQ(certificate_of(problem, {0.0, -1.0}).residual, 1e180);
+}
+
 TEST(Certificate, ScaleOfAContact) {
   const Matrix G = (Matrix(3, 3) << 1.0, 9.0, 9.0, 9.0, -4.0, 9.0, 9.0, 9.0, 0.0).finished();
   const ContactProblem problem{G, Vec(Vec::Zero(3)), {Coulomb{}, NonNegative{}}};

@@ -55,6 +55,31 @@ TEST(FrictionResidual, VanishesInEveryModeOfCoulombsLaw) {
     EXPECT_LE(friction_residual(problem_of(W, q, {Coulomb{0.5, 3}}), r.data()), 1e-15);
 }
 
+TEST(ComplementarityResidual, IsNotSmallWhereItsTermsOverflow) {
+  // |min(z, w)| = 1e300 over |M| |z| = 1e309
+  const ContactProblem problem = lcp(square(2, {1e160, 0.0, 0.0, 1.0}), vec({-1e300, -1e149}));
+  EXPECT_FALSE(complementarity_residual(problem, vec({0.0, 1e149}).data()) <= 1e-12);
+}
+
+TEST(FrictionResidual, OfAnyUnitOfVelocity) {
+  // nothing presses against the approach: the residual is 1
+  for (const double unit : {1e-300, 1e-170, 1.0, 1e170, 1e300})
+    EXPECT_NEAR(friction_residual(problem_of(Matrix::Identity(2, 2), vec({-unit, 0.0}), {Coulomb{0.0, 2}}),
+                                  vec({0.0, 0.0}).data()),
+                1.0, 1e-15);
+}
+
+TEST(FrictionResidual, APullIsNotAllowedWithoutFrictionEither) {
+  const ContactProblem problem = problem_of(Matrix::Identity(2, 2), vec({1.0, 0.0}), {Coulomb{0.0, 2}});
+  EXPECT_DOUBLE_EQ(friction_residual(problem, vec({-1.0, 0.0}).data()), 1.0);
+}
+
+TEST(FrictionResidual, LargeFrictionHoldsWhatAHalfSpaceHolds) {
+  // mu² overflows, û = 0 and r is on the border of the half space r_N >= 0, 1e-160 from the cone
+  const ContactProblem problem = problem_of(Matrix::Identity(2, 2), vec({0.0, -1.0}), {Coulomb{1e160, 2}});
+  EXPECT_NEAR(friction_residual(problem, vec({0.0, 1.0}).data()), 0.0, 1e-15);
+}
+
 TEST(FrictionResidual, IsTheNaturalMapWithDeSaxcesTerm) {
   // r = 0: u = q, û = (-2 + mu 5, 3, 4) = (0.5, 3, 4), -û/d projected on the cone of mu = 0.5: it lies in the
   // polar cone where -0.5 + 0.5·5 <= 0, which is not so; N = (-0.5 + 2.5)/1.25 = 1.6, T = -0.8 (0.6, 0.8).

@@ -151,6 +151,46 @@ TEST(Solvers, AnUnknownNameIsRefusedWithThoseThatExist) {
     EXPECT_NE(message.find(entry.name), std::string::npos) << message;
 }
 
+TEST(Solvers, SaySolvedExactlyWhereTheCertificateDoes) {
+  // One row that cannot be solved is small beside the terms of the others: at P = 0, where friction overflows
+  // in the tableau, and at a start where equalities balance large impulses.
+  Matrix balance = Matrix::Zero(3, 3);
+  balance.bottomRightCorner(2, 2) << 1.0, -1.0, -1.0, 1.0;
+  const struct {
+    ContactProblem problem;
+    std::vector<double> start;
+  } cases[] = {{problem_of(1e150 * Matrix::Identity(3, 3), Eigen::Vector3d(1e20, -1.0, 0.0),
+                           {NonNegative{}, Coulomb{1e200, 2}}),
+                {0.0, 0.0, 0.0}},
+               {problem_of(balance, Eigen::Vector3d(-1.0, 0.0, 0.0), {NonNegative{}, Equality{}, Equality{}}),
+                {0.0, 1e20, 1e20}}};
+  for (const auto& [problem, start] : cases) {
+    for (const SolverEntry& entry : contact_solvers()) {
+      const auto solver = entry.make();
+      solver->reserve(3);
+      std::vector<double> P = start, xi(3);
+      const bool solved = solver->solve(problem, P.data()).status == SolveStatus::solved;
+      EXPECT_EQ(solved, certify(problem, P.data(), xi.data()).within(problem.tolerance)) << entry.name;
+    }
+  }
+}
+
+TEST(Solvers, WhereEverythingOverflowsTheAnswerDependsOnTheProblemAlone) {
+  const ContactProblem problem = problem_of(Matrix::Constant(2, 2, -1e250), (Vec(2) << -1.0, -2.0).finished(),
+                                            {NonNegative{}, NonNegative{}});
+  const ContactProblem other =
+      problem_of(Matrix::Identity(2, 2), (Vec(2) << -3.0, -5.0).finished(), {NonNegative{}, NonNegative{}});
+  for (const SolverEntry& entry : contact_solvers()) {
+    std::vector<double> first(2, 1e200), again(2, 1e200), between(2, 7.0);
+    const auto solver = entry.make();
+    solver->reserve(2);
+    solver->solve(problem, first.data());
+    solver->solve(other, between.data());
+    solver->solve(problem, again.data());
+    EXPECT_EQ(first, again) << entry.name;
+  }
+}
+
 TEST(ContactProblem, ValidateNamesWhatIsWrong) {
   const ContactProblem good =
       problem_of(Matrix::Identity(3, 3), Vec::Zero(3), {NonNegative{}, Coulomb{0.5, 2}});
