@@ -149,15 +149,25 @@ double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a
   return layout_->tolerance * size;
 }
 
-double Configuration::gap_tolerance(int contact, int row) {
+double Configuration::velocity_tolerance(int contact, const Vec& v) {
+  double size = 0.0;
+  for (int row = 0; row < layout_->contacts[contact].rows; ++row)
+    size = std::max(size, term_size(contact, row, v));
+  return layout_->tolerance * size;
+}
+
+double Configuration::gap_tolerance(int contact, int row) { return rounding * term_size(contact, row, q_); }
+
+// Sum of |W_ij x_i| in one row of Wᵀ
+double Configuration::term_size(int contact, int row, const Vec& x) {
   const auto& slot = layout_->contacts[contact];
   const double* J = jacobian(contact) + static_cast<std::size_t>(row) * slot.n;
   double size = 0.0;
   for (int side = 0; side < slot.sides; ++side) {
     const auto& system = layout_->systems[slot.system[side]];
-    for (int j = system.offset; j < system.offset + system.n; ++j) size += std::abs(*J++ * q_[j]);
+    for (int j = system.offset; j < system.offset + system.n; ++j) size += std::abs(*J++ * x[j]);
   }
-  return rounding * size;
+  return size;
 }
 
 void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot) {

@@ -62,6 +62,7 @@ class Configuration final : public BlockInverse {
   /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
   /// terms of size |v| + Δt |a| [m/s]
   double velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt);
+  double velocity_tolerance(int contact, const Vec& v);
   /// A gap below this is zero up to the rounding of its terms [m]. @param row  of the contact's gaps
   double gap_tolerance(int contact, int row);
   /// (dWᵀ/dt) v + Wᵀ a of one contact, (38). @param[out] gamma_dot (rows) [m/s²]
@@ -73,6 +74,7 @@ class Configuration final : public BlockInverse {
     return layout_->local(contact, x, both.data());
   }
   void evaluate_jacobian(int contact);
+  double term_size(int contact, int row, const Vec& x);
   const SpdFactor& factor(int system) const {
     return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
   }

@@ -38,6 +38,13 @@ const double* SparseSolve::solve() {
   if (!klu_->symbolic) return nullptr;
   klu_free_numeric(&klu_->numeric, common);
   klu_->numeric = klu_factor(start_.data(), column_.data(), A_.value.data(), klu_->symbolic, common);
+  return solve_again();
+}
+
+const double* SparseSolve::solve_again() {
+  const int n = static_cast<int>(y_.size());
+  if (n == 0) return y_.data();
+  klu_common* common = &klu_->common;
   if (!klu_->numeric || !klu_tsolve(klu_->symbolic, klu_->numeric, n, 1, y_.data(), common)) return nullptr;
   const bool finite = std::all_of(y_.begin(), y_.end(), [](double x) { return std::isfinite(x); });
   return finite ? y_.data() : nullptr;

@@ -19,6 +19,8 @@ class SparseSolve {
   std::vector<double>& y() { return y_; }
   /// @return x, valid until the next call; nullptr if A is singular or not finite
   const double* solve();
+  /// x of another y, with the A of the last solve(). @return as solve()
+  const double* solve_again();
 
  private:
   struct Klu;

@@ -12,6 +12,7 @@ constexpr int most_rounds = 50;
 constexpr int most_reserved_rows =
     256;  // of dense methods, whose storage is their square: beyond, it grows when needed
 constexpr int most_dense_rows = 48;  // of a component: beyond, sparse equations are cheaper
+constexpr int most_last_rows = 600;  // where these fail, dense methods are the last resort
 // Of the rounds together, counted in operations of Newton's method: seconds, where small problems take all
 // rounds.
 constexpr double most_work = 2e10;
@@ -63,8 +64,9 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
     const ContactProblem& part = components_.part(problem, k, sparse);
     part_P_.resize(rows);
     components_.gather(k, P, part_P_.data());
-    const SolveReport of_part =
-        sparse ? proximal_.solve(part, part_P_.data()) : solve_dense(part, part_P_.data());
+    SolveReport of_part = sparse ? proximal_.solve(part, part_P_.data()) : solve_dense(part, part_P_.data());
+    if (of_part.status != SolveStatus::solved && sparse && rows <= most_last_rows)
+      of_part = solve_dense(components_.part(problem, k, false), part_P_.data());
     components_.scatter(k, part_P_.data(), P);
     report.iterations += of_part.iterations;
     if (of_part.status != SolveStatus::solved) report.status = of_part.status;

@@ -2,22 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "saltus/numerics/solvers/nsgs.hpp"
 
 namespace saltus {
 namespace {
 
-constexpr int most_iterations = 1500;  // of Newton's method, together
+constexpr int most_iterations = 3000;  // of Newton's method, together
 constexpr int most_of_one = 12;        // for one P₀
 constexpr int few = 4;                 // iterations that let ρ grow
-constexpr double hardest = 1e8;        // ρ
-constexpr double softest = 1e-3;
+constexpr double rigid = 1e9;          // ρ, to begin with
+constexpr double middling = 10.0;      // and where that fails
+constexpr double softest = 1e-6;
 constexpr double growth = 2.0;
 constexpr double retreat = 4.0;
-constexpr double rounding = 1e-13;  // of y, relative: what is zero to that is both open and closed
+constexpr double relaxation = 1.3;  // in (0, 2): longer steps of the proximal point method
+constexpr int sweeps = 100;         // after each: they find out what contacts do among their neighbours
+constexpr double rounding = 1e-13;  // of P, relative
 constexpr double near = 1e-3;       // F over the residual: closer than that is for the next P₀
-constexpr int sweeps = 50;          // after each: they find out the modes of contacts among their neighbours
+constexpr int most_refinements = 20;
 constexpr int most_halvings = 8;
 
 int unknowns_of(Mode mode, int rows) {
@@ -55,24 +59,28 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
   report.certificate = certify(problem, P, xi_.data());
   std::copy_n(P, rows, start_.data());
   // Most problems are solved as if contacts were rigid, from a good start or where nothing is in doubt.
-  hardness_ = hardest;
-  bool first = true;
+  hardness_ = rigid;
   while (!report.certificate.within(problem.tolerance) && report.iterations < most_iterations) {
     int iterations = 0;
     const bool solved = solve_compliant(problem, near * report.certificate.residual, iterations);
     report.iterations += std::max(iterations, 1);
     if (!solved) {
-      hardness_ = first ? 1.0 : hardness_ / retreat;
-      first = false;
-      if (hardness_ < softest) report.status = SolveStatus::breakdown;
-      if (hardness_ < softest) break;
-      continue;
+      hardness_ = std::min(middling, hardness_ / retreat);
+      if (hardness_ >= softest) continue;
+      report.status = SolveStatus::breakdown;
+      break;
     }
-    if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) break;
-    for (int k = 0; k < sweeps && !first; ++k) sweep(problem, P_.data());
-    if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) break;
+    if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) {
+      if (iterations > 0) refine(problem, report, P);
+      break;
+    }
+    if (hardness_ < rigid) {
+      P_.view() = start_.view() + relaxation * (P_.view() - start_.view());
+      for (int k = 0; k < sweeps; ++k) sweep(problem, P_.data());
+      if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) break;
+    }
     start_ = P_;
-    if (iterations <= few) hardness_ = std::min(hardest, growth * hardness_);
+    if (iterations <= few) hardness_ = std::min(rigid, growth * hardness_);
   }
   if (report.certificate.within(problem.tolerance)) report.status = SolveStatus::solved;
   return report;
@@ -94,9 +102,12 @@ void ProximalNewton::read_contacts(const ContactProblem& problem) {
 // solution
 bool ProximalNewton::solve_compliant(const ContactProblem& problem, double bound, int& iterations) {
   const double scale = certify(problem, start_.data(), xi_.data()).scale;
+  // What contacts do is read with ρ = 1, as the certificate does: with a large ρ the small ξ of one that
+  // sticks or is closed would let it slide or open. P − ξ/d = P(…) + N, and y is P + ρ N.
   for (const Contact& contact : contacts_)
-    for (int i = contact.row; i < contact.row + contact.rows; ++i)
-      y_[i] = start_[i] - hardness_ / contact.d * xi_[i];
+    for (int i = contact.row; i < contact.row + contact.rows; ++i) y_[i] = start_[i] - xi_[i] / contact.d;
+  project(problem, y_, P_);
+  y_.view() = start_.view() + hardness_ * (y_.view() - P_.view());
   double size = project(problem, y_, P_);
   bound = std::max(bound, rounding * scale) * std::sqrt(static_cast<double>(problem.rows()));
   for (; size > bound; ++iterations)
@@ -148,7 +159,9 @@ bool ProximalNewton::improve(const ContactProblem& problem, double& size) {
 
 void ProximalNewton::read_modes(const ContactProblem& problem) {
   constexpr double resting[3] = {0.0, 0.0, 0.0};
-  const double zero = rounding * y_.view().cwiseAbs().maxCoeff();
+  // A contact that is open and closed alike counts as closed: from P = 0 that is where all of them start.
+  const double zero =
+      std::max(rounding * P_.view().cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
   int unknown = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     Contact& contact = contacts_[k];
@@ -175,13 +188,39 @@ bool ProximalNewton::find_direction(const ContactProblem& problem) {
   return true;
 }
 
+// Proximal point iterations with the modes at hand: their equations differ in P₀ alone.
+void ProximalNewton::refine(const ContactProblem& problem, SolveReport& report, double* P) {
+  double before = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most_refinements; ++k) {
+    std::copy_n(P, problem.rows(), start_.data());
+    linear_.y().clear();
+    for (const Contact& contact : contacts_)
+      for (int i = 0; i < unknowns_of(contact.mode, contact.rows); ++i)
+        linear_.y().push_back(right_hand_side(problem, contact, i));
+    const double* unknowns = linear_.solve_again();
+    if (!unknowns) return;
+    take_solution(problem, unknowns);
+    const double change = (full_P_.view() - start_.view()).cwiseAbs().maxCoeff();
+    const Certificate certificate = certify(problem, full_P_.data(), xi_.data());
+    if (!(change < 0.5 * before) || !certificate.within(problem.tolerance)) return;
+    before = change;
+    report.certificate = certificate;
+    std::copy_n(full_P_.data(), problem.rows(), P);
+  }
+}
+
+double ProximalNewton::right_hand_side(const ContactProblem& problem, const Contact& contact,
+                                       int equation) const {
+  auto of_row = [&](int i) { return contact.d / hardness_ * start_[i] - problem.b[i]; };
+  if (contact.mode != Mode::slip_space || equation == 0) return of_row(contact.row + equation);
+  const Direction e = contact.slip.direction;
+  return contact.slip.ratio * (e.cosine * of_row(contact.row + 2) - e.sine * of_row(contact.row + 1));
+}
+
 // ξ_i + (d/ρ) (P_i − P₀_i) = 0 in the rows of a closed contact and the normal row of one that slides; for one
 // that slides in space (d/ρ) p + ratio e'·ξ_T = (d/ρ) ratio e'·P₀_T besides, P_T = μ P_N e + p e'.
 void ProximalNewton::add_equation(const ContactProblem& problem, const Contact& contact, int equation) {
-  const double compliance = contact.d / hardness_;
-  double right = 0.0;
   auto add_row = [&](int i, double factor) {
-    right += factor * (compliance * start_[i] - problem.b[i]);
     for_row(problem, i, [&](int j, double entry) { add_entry(problem, j, factor * entry); });
   };
   if (contact.mode == Mode::slip_space && equation == 1) {
@@ -192,14 +231,14 @@ void ProximalNewton::add_equation(const ContactProblem& problem, const Contact& 
     add_row(contact.row + equation, 1.0);
   }
   const int own = contact.unknown + equation;
-  add(own, compliance);
+  add(own, contact.d / hardness_);
   for (int column : columns_) {
     linear_.A().add(column, sums_[column]);
     sums_[column] = 0.0;
   }
   columns_.clear();
   linear_.A().end_row();
-  linear_.y().push_back(right);
+  linear_.y().push_back(right_hand_side(problem, contact, equation));
 }
 
 // An entry of G times what the unknowns of its column's contact make of P there

@@ -13,7 +13,8 @@ namespace saltus {
 ///   F(y) = (d/ρ) (P₀ − y) − b − G P(y) = 0,
 /// which Newton's method with a line search solves; its linear equations, of the closed contacts alone, go to
 /// KLU. The larger ρ, the fewer iterations are left and the harder each becomes: ρ grows as long as Newton's
-/// method succeeds quickly, and shrinks where it does not.
+/// method succeeds quickly, and shrinks where it does not. At the end the last equations are solved until P
+/// stands still: where contacts depend on each other weakly, a small residual does not make P exact.
 /// Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898.
 class ProximalNewton final : public ContactSolver {
  public:
@@ -40,6 +41,8 @@ class ProximalNewton final : public ContactSolver {
   bool improve(const ContactProblem& problem, double& size);
   void read_modes(const ContactProblem& problem);
   bool find_direction(const ContactProblem& problem);
+  void refine(const ContactProblem& problem, SolveReport& report, double* P);
+  double right_hand_side(const ContactProblem& problem, const Contact& contact, int equation) const;
   void add_equation(const ContactProblem& problem, const Contact& contact, int equation);
   void add_entry(const ContactProblem& problem, int column, double entry);
   void add(int unknown, double value);

@@ -139,4 +139,45 @@ ContactProblem random_problem(std::mt19937& random, const ProblemKind& kind) {
   return problem_of(there * mobility.asDiagonal() * W.transpose(), there * v, sets);
 }
 
+ContactProblem with_sparse_rows(const ContactProblem& problem) {
+  ContactProblem copy = problem;
+  copy.G = {};
+  for (int i = 0; i < problem.rows(); ++i) {
+    for (int j = 0; j < problem.rows(); ++j)
+      if (problem.G(i, j) != 0.0) copy.sparse.add(j, problem.G(i, j));
+    copy.sparse.end_row();
+  }
+  return copy;
+}
+
+ContactProblem side_by_side(const std::vector<ContactProblem>& problems) {
+  struct Place {
+    std::size_t problem;
+    int row;
+  };
+  std::vector<Place> places;
+  std::vector<ContactSet> sets;
+  std::vector<int> rows(problems.size(), 0);
+  bool some_left = true;
+  for (int k = 0; some_left; ++k) {
+    some_left = false;
+    for (std::size_t p = 0; p < problems.size(); ++p) {
+      if (k >= problems[p].contacts()) continue;
+      some_left = true;
+      sets.push_back(problems[p].sets[k]);
+      for (int i = 0; i < rows_of(sets.back()); ++i) places.push_back({p, rows[p]++});
+    }
+  }
+  const int n = static_cast<int>(places.size());
+  Matrix G = Matrix::Zero(n, n);
+  Vec b(n);
+  for (int i = 0; i < n; ++i) {
+    b[i] = problems[places[i].problem].b[places[i].row];
+    for (int j = 0; j < n; ++j)
+      if (places[i].problem == places[j].problem)
+        G(i, j) = problems[places[i].problem].G(places[i].row, places[j].row);
+  }
+  return problem_of(G, b, sets);
+}
+
 }  // namespace saltus::test

@@ -31,6 +31,12 @@ ContactProblem random_problem(std::mt19937& random, const ProblemKind& kind);
 /// Turns the tangents of all spatial contacts: R (rows, rows) with R G Rᵀ, R b the same problem.
 Matrix tangents_turned_by(double angle, const ContactProblem& problem);
 
+/// The same problem with sparse rows, without the zeros of G.
+ContactProblem with_sparse_rows(const ContactProblem& problem);
+
+/// Problems side by side, their contacts taken in turn: one of the first, one of the second, and so on.
+ContactProblem side_by_side(const std::vector<ContactProblem>& problems);
+
 /// A problem from literal numbers.
 ContactProblem problem_of(const Matrix& G, const Vec& b, std::vector<ContactSet> sets);
 

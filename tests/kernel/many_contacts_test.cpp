@@ -1,0 +1,114 @@
+// Many contacts: G by sparse rows, and steps that stay exact.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "saltus/kernel/assembly/contact_assembly.hpp"
+#include "support/models.hpp"
+#include "support/runs.hpp"
+
+namespace saltus::test {
+namespace {
+
+// n balls of 1 kg on each other and on the ground, every contact closed by 1e-9 m
+NonSmoothDynamicalSystem column(int n) {
+  NonSmoothDynamicalSystem::Systems balls;
+  for (int k = 0; k < n; ++k)
+    balls.push_back(std::make_shared<LagrangianLinearTIDS>(
+        vec({-1e-9 * (k + 1)}), vec({0.0}), Matrix::Identity(1, 1),
+        LagrangianLinearTIDS::Terms{.external_force = vec({-gravity})}));
+  NonSmoothDynamicalSystem model(balls);
+  for (int k = 0; k < n; ++k) {
+    const Matrix H = k == 0 ? Matrix(Matrix::Identity(1, 1)) : Matrix((Matrix(1, 2) << -1.0, 1.0).finished());
+    model.link(linear_contact(H, vec({0.0}), NewtonImpactNSL(0.0), ""), *balls[k == 0 ? 0 : k - 1],
+               k == 0 ? nullptr : balls[k].get());
+  }
+  return model;
+}
+
+class ManyContacts : public testing::TestWithParam<std::string> {};
+
+TEST_P(ManyContacts, AColumnCarriesItsWeight) {
+  const int n = 200;
+  const double dt = 1e-3;
+  const auto rows = rows_of_run(column(n), *make_scheme(GetParam()), dt, 0.005);
+  ASSERT_EQ(rows.size(), 6u);
+  for (std::size_t step = 1; step < rows.size(); ++step)
+    for (int k = 0; k < n; ++k) {
+      const Reactions& reactions = rows[step].reactions;
+      const double carried = reactions.impulse[k] + dt * reactions.force[k];
+      EXPECT_NEAR(carried, (n - k) * gravity * dt, 1e-9 * (n - k) * gravity * dt) << step << " " << k;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, ManyContacts, testing::ValuesIn(scheme_names()),
+                         [](const auto& test) { return test.param; });
+
+// Blocks in a row, each with two frictional contacts to the next one and one to the ground
+NonSmoothDynamicalSystem row_of_blocks(int n) {
+  NonSmoothDynamicalSystem::Systems blocks;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < n; ++k) {
+    Matrix A(3, 3);
+    for (double& x : A.reshaped()) x = normal(random);
+    const Matrix M = A * A.transpose() + Matrix::Identity(3, 3);
+    blocks.push_back(std::make_shared<LagrangianLinearTIDS>(vec({0.0, 0.0, 0.0}), vec({0.0, 0.0, 0.0}), M));
+  }
+  NonSmoothDynamicalSystem model(blocks);
+  auto link = [&](int freedoms, const LagrangianDS& first, const LagrangianDS* second) {
+    Matrix H(2, freedoms);
+    for (double& x : H.reshaped()) x = normal(random);
+    model.link(linear_contact(H, vec({0.0, 0.0}), NewtonImpactFrictionNSL(0.0, 0.0, 0.3, 2), ""), first,
+               second);
+  };
+  for (int k = 0; k < n; ++k) {
+    link(3, *blocks[k], nullptr);
+    if (k + 1 == n) break;
+    link(6, *blocks[k], blocks[k + 1].get());
+    link(6, *blocks[k + 1], blocks[k].get());
+  }
+  return model;
+}
+
+TEST(SparseAssembly, IsTheDenseOne) {
+  const NonSmoothDynamicalSystem model = row_of_blocks(6);
+  const auto layout = std::make_shared<Layout>(model);
+  Configuration at(layout);
+  at.move_to(model.q0());
+  ASSERT_TRUE(at.factorise());
+  // Together in pairs as well, as force elements would have it: then the two ends share a block.
+  const auto pairs = std::make_shared<Partition>();
+  pairs->blocks = {{0, 1}, {2, 3}, {4, 5}};
+  pairs->sizes = {6, 6, 6};
+  for (int k = 0; k < 6; ++k) pairs->places.push_back({k / 2, 3 * (k % 2)});
+  struct InPairs final : BlockInverse {
+    explicit InPairs(const Configuration& configuration) : of(configuration) {}
+    void solve_block(int block, double* x) const override {
+      of.solve_block(2 * block, x);
+      of.solve_block(2 * block + 1, x + 3);
+    }
+    const Configuration& of;
+  } in_pairs(at);
+  for (const bool paired : {false, true}) {
+    const std::shared_ptr<const Partition> partition = paired ? pairs : one_block_a_system(*layout);
+    const BlockInverse& inverse = paired ? static_cast<const BlockInverse&>(in_pairs) : at;
+    ContactAssembly dense(layout, partition), sparse(layout, partition, true);
+    for (const std::vector<int>& active :
+         {std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+          {1, 2, 4, 9, 15},
+          {7},
+          {}}) {
+      dense.assemble(active, at, at, inverse);
+      sparse.assemble(active, at, at, inverse);
+      ASSERT_EQ(sparse.problem().rows(), 2 * static_cast<int>(active.size()));
+      EXPECT_EQ(saltus::dense(sparse.problem()).G.view(), dense.problem().G.view())
+          << paired << active.size();
+    }
+    sparse.assemble({0, 15}, at, at, inverse);  // far from each other
+    EXPECT_EQ(sparse.problem().sparse.value.size(), 8u);
+  }
+}
+
+}  // namespace
+}  // namespace saltus::test
