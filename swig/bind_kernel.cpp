@@ -7,6 +7,7 @@
 #include "saltus/kernel/model/check.hpp"
 #include "saltus/kernel/model/distance.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
+#include "saltus/kernel/model/neighbours.hpp"
 #include "saltus/kernel/model/plugin_model.hpp"
 #include "saltus/kernel/model/requirements.hpp"
 #include "saltus/kernel/simulation/stability.hpp"
@@ -357,6 +358,37 @@ void bind_model(py::module_& module) {
         }
         return all;
       });
+  module.def(
+      "neighbours",
+      [](const ArrayLike& centres, const ArrayLike& radii, double within) {
+        const auto pairs = neighbours(to_matrix(centres, "centres"), to_vec(radii, "radii"), within);
+        py::array_t<std::int64_t> result({pairs.size(), std::size_t{2}});
+        for (std::size_t k = 0; k < pairs.size(); ++k)
+          std::copy_n(pairs[k].begin(), 2, result.mutable_data(k, 0));
+        return result;
+      },
+      py::arg("centres"), py::arg("radii"), py::arg("within") = 0.0,
+      R"(Broad phase: pairs of discs or spheres that touch, or nearly, by a uniform grid.
+
+These are the pairs to link by interactions: |c_i - c_j| - r_i - r_j <= within. The cost grows with the discs
+and the pairs, not with all pairs there could be, if the radii are alike.
+
+Parameters
+----------
+centres : (n, 1 to 3) [m]
+radii : (n,) >= 0 [m]
+within : largest distance of their surfaces [m]
+
+Returns
+-------
+(pairs, 2) of whole numbers
+    i < j, in ascending order.
+
+Raises
+------
+ValueError
+    If shapes disagree, a value is not finite or a radius is negative.
+)");
   module.def("load_model", &load_model, py::arg("library_and_function"),
              "The model that a shared library composes, \"library:function\".");
 }

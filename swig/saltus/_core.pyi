@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from saltus.io import Trajectory
 from saltus.shapes import Pose, Shape
-from saltus.typing import FloatArray, IntegratorEntry, Matrix, ModelFunction, OptionValue
+from saltus.typing import FloatArray, IntArray, IntegratorEntry, Matrix, ModelFunction, OptionValue
 
 __version__: str
 
@@ -208,6 +208,7 @@ class NonSmoothDynamicalSystemBase:
     def check_items(self) -> list[CheckItem]: ...
     def contacts(self) -> list[tuple[str, int, int, int, int]]: ...
 
+def neighbours(centres: ArrayLike, radii: ArrayLike, within: float = 0.0) -> IntArray: ...
 def load_model(library_and_function: str) -> NonSmoothDynamicalSystemBase: ...
 
 # kernel: integrators and simulations

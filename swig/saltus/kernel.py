@@ -41,6 +41,7 @@ from saltus._core import (
     StepReport,
     Tableau,
     integrators,
+    neighbours,
 )
 from saltus.io import Layout, Provenance, Trajectory
 from saltus.io.stream import Stream
@@ -84,6 +85,7 @@ __all__ = [
     "Tableau",
     "TimeStepping",
     "integrators",
+    "neighbours",
     "register_integrator",
 ]
 

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "saltus/kernel/assembly/contact_assembly.hpp"
+#include "saltus/kernel/model/neighbours.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
 
@@ -108,6 +109,49 @@ TEST(SparseAssembly, IsTheDenseOne) {
     sparse.assemble({0, 15}, at, at, inverse);  // far from each other
     EXPECT_EQ(sparse.problem().sparse.value.size(), 8u);
   }
+}
+
+std::vector<std::array<int, 2>> all_pairs(const Matrix& centres, const Vec& radii, double within) {
+  std::vector<std::array<int, 2>> pairs;
+  for (int i = 0; i < centres.rows(); ++i)
+    for (int j = i + 1; j < centres.rows(); ++j)
+      if ((centres.row(i) - centres.row(j)).norm() - radii[i] - radii[j] <= within) pairs.push_back({i, j});
+  return pairs;
+}
+
+TEST(Neighbours, AreThoseOfAllPairs) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1.0, 1.0), size(0.0, 0.1);
+  for (int dim = 1; dim <= 3; ++dim)
+    for (const double within : {-0.02, 0.0, 0.05}) {
+      Matrix centres(200, dim);
+      Vec radii(200);
+      for (double& x : centres.reshaped()) x = place(random);
+      for (double& r : radii) r = size(random);
+      const auto expected = all_pairs(centres, radii, within);
+      ASSERT_GT(expected.size(), 5u);
+      EXPECT_EQ(neighbours(centres, radii, within), expected) << dim << " " << within;
+    }
+}
+
+TEST(Neighbours, TouchInALattice) {
+  // Whole numbers: distances of 2 R are exact, and lie on the borders of cells.
+  const int n = 30;
+  Matrix centres(n * n, 2);
+  for (int i = 0; i < n * n; ++i) centres.row(i) << 2.0 * (i / n) - n, 2.0 * (i % n) - n;
+  EXPECT_EQ(neighbours(centres, Vec::Ones(n * n), 0.0).size(), 2u * n * (n - 1));
+  EXPECT_EQ(neighbours(centres, Vec::Ones(n * n), 2.0 * std::sqrt(2.0) - 2.0 + 1e-12).size(),
+            2u * n * (n - 1) + 2u * (n - 1) * (n - 1));
+  EXPECT_TRUE(neighbours(centres, Vec::Ones(n * n), -1e-12).empty());
+  EXPECT_EQ(neighbours(Matrix::Zero(3, 3), Vec::Zero(3), 0.0).size(), 3u);
+}
+
+TEST(Neighbours, RefuseWhatIsNoSphere) {
+  const Matrix centres = Matrix::Zero(2, 2);
+  expect_refusal([&] { neighbours(centres, Vec::Ones(3), 0.0); }, {"radii must have 2 entries", "got 3"});
+  expect_refusal([&] { neighbours(centres, -Vec::Ones(2), 0.0); }, {"radii must be >= 0", "-1"});
+  expect_refusal([&] { neighbours(centres, Vec::Ones(2), NAN); }, {"must be finite"});
+  expect_refusal([&] { neighbours(Matrix::Zero(2, 4), Vec::Ones(2), 0.0); }, {"1 to 3 columns", "got 4"});
 }
 
 }  // namespace

@@ -108,6 +108,26 @@ TEST_P(NoAllocation, TwoBalls) {
   EXPECT_GE(counted.impacts, 1);
 }
 
+// So many contacts that G is made of sparse rows; each is a component of its own.
+TEST_P(NoAllocation, DiscsOnAPlane) {
+  const int n = 80;
+  const double radius = 0.1, dt = 1e-3;
+  NonSmoothDynamicalSystem::Systems discs;
+  Matrix M = Matrix::Identity(3, 3);
+  M(2, 2) = 0.5 * radius * radius;
+  for (int k = 0; k < n; ++k)
+    discs.push_back(
+        std::make_shared<LagrangianLinearTIDS>(vec({0.3 * k, radius + 1e-5 * k, 0.0}), vec({0.2, 0.0, 0.0}),
+                                               M, Terms{.external_force = vec({0.0, -gravity, 0.0})}));
+  NonSmoothDynamicalSystem model(discs);
+  const Matrix H = (Matrix(2, 3) << 0.0, 1.0, 0.0, 1.0, 0.0, radius).finished();
+  const NewtonImpactFrictionNSL law(0.0, 0.0, mu_taken_by(GetParam(), 0.2), 2);
+  for (int k = 0; k < n; ++k) model.link(linear_contact(H, vec({-radius, 0.0}), law, ""), *discs[k]);
+  const Counted counted = count_in(model, *make_scheme(GetParam()), dt, 40, 200);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_EQ(counted.closed, 200);
+}
+
 // Three contacts in one place: G has rank 2 of 6, which takes another decomposition.
 TEST_P(NoAllocation, ContactsThatDependOnEachOther) {
   auto block = std::make_shared<LagrangianLinearTIDS>(
