@@ -1,0 +1,1 @@
+"""Columns and pyramids: many contacts that depend on each other."""
