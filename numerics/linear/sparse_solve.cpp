@@ -38,6 +38,7 @@ const double* SparseSolve::solve() {
   if (!klu_->symbolic) return nullptr;
   klu_free_numeric(&klu_->numeric, common);
   klu_->numeric = klu_factor(start_.data(), column_.data(), A_.value.data(), klu_->symbolic, common);
+  if (klu_->numeric && klu_flops(klu_->symbolic, klu_->numeric, common)) work_ += common->flops;
   return solve_again();
 }
 

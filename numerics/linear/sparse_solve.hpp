@@ -21,6 +21,8 @@ class SparseSolve {
   const double* solve();
   /// x of another y, with the A of the last solve(). @return as solve()
   const double* solve_again();
+  /// Operations of all factorisations so far: what bounds an iteration where rows tell little.
+  double work() const { return work_; }
 
  private:
   struct Klu;
@@ -28,6 +30,7 @@ class SparseSolve {
   SparseRows A_;
   std::vector<double> y_;
   std::vector<int> start_, column_;  // the structure that was analysed
+  double work_ = 0.0;
 };
 
 }  // namespace saltus

@@ -9,16 +9,19 @@
 namespace saltus {
 namespace {
 
-constexpr int most_iterations = 3000;  // of Newton's method, together
-constexpr int most_of_one = 12;        // for one P₀
-constexpr int few = 4;                 // iterations that let ρ grow
-constexpr double rigid = 1e9;          // ρ, to begin with
-constexpr double middling = 10.0;      // and where that fails
+constexpr int most_iterations = 2000;     // of Newton's method, together
+constexpr double most_operations = 3e10;  // of their factorisations: some ten seconds
+constexpr double most_growth = 1e8;       // of the terms in ξ: beyond, there is no solution
+constexpr int most_of_one = 12;           // for one P₀
+constexpr int few = 4;                    // iterations that let ρ grow
+constexpr double rigid = 1e9;             // ρ, to begin with
+constexpr double middling = 10.0;         // and where that fails
 constexpr double softest = 1e-6;
 constexpr double growth = 2.0;
 constexpr double retreat = 4.0;
 constexpr double relaxation = 1.3;  // in (0, 2): longer steps of the proximal point method
-constexpr int sweeps = 100;         // after each: they find out what contacts do among their neighbours
+constexpr int sweeps = 100;         // after each of these
+constexpr double detour = 3.0;      // of the residual, that sweeps may lead to
 constexpr double rounding = 1e-13;  // of P, relative
 constexpr double near = 1e-3;       // F over the residual: closer than that is for the next P₀
 constexpr int most_refinements = 20;
@@ -33,6 +36,10 @@ int unknowns_of(Mode mode, int rows) {
     case Mode::slip_space: break;
   }
   return 2;
+}
+
+double norm_of_b(const ContactProblem& problem) {
+  return problem.rows() > 0 ? problem.b.view().cwiseAbs().maxCoeff() : 0.0;
 }
 
 double friction_of(const ContactSet& set) {
@@ -58,9 +65,15 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
   SolveReport report{.status = SolveStatus::iteration_limit, .solver = name()};
   report.certificate = certify(problem, P, xi_.data());
   std::copy_n(P, rows, start_.data());
+  trial_P_.view().setZero();  // where nothing presses, a start shrinks for ever
+  if (!report.certificate.within(problem.tolerance))
+    keep_if_better(problem, trial_P_.data(), xi_.data(), report, P);
+  const double largest_scale = most_growth * std::max(report.certificate.scale, norm_of_b(problem));
   // Most problems are solved as if contacts were rigid, from a good start or where nothing is in doubt.
   hardness_ = rigid;
-  while (!report.certificate.within(problem.tolerance) && report.iterations < most_iterations) {
+  const double most_work = linear_.work() + most_operations;
+  while (!report.certificate.within(problem.tolerance) && report.iterations < most_iterations &&
+         linear_.work() < most_work) {
     int iterations = 0;
     const bool solved = solve_compliant(problem, near * report.certificate.residual, iterations);
     report.iterations += std::max(iterations, 1);
@@ -70,20 +83,32 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
       report.status = SolveStatus::breakdown;
       break;
     }
+    if (certify(problem, P_.data(), xi_.data()).scale > largest_scale) {
+      report.status = SolveStatus::breakdown;  // P grows without bound, and ξ stays where it is
+      break;
+    }
     if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) {
       if (iterations > 0) refine(problem, report, P);
       break;
     }
-    if (hardness_ < rigid) {
-      P_.view() = start_.view() + relaxation * (P_.view() - start_.view());
-      for (int k = 0; k < sweeps; ++k) sweep(problem, P_.data());
-      if (keep_if_better(problem, P_.data(), xi_.data(), report, P)) break;
-    }
+    if (hardness_ < rigid && explore(problem, report, P)) break;
     start_ = P_;
     if (iterations <= few) hardness_ = std::min(rigid, growth * hardness_);
   }
   if (report.certificate.within(problem.tolerance)) report.status = SolveStatus::solved;
   return report;
+}
+
+// A longer step, and sweeps that find out what contacts do among their neighbours; not taken where they lead
+// away.
+// @return true if that solves the problem
+bool ProximalNewton::explore(const ContactProblem& problem, SolveReport& report, double* P) {
+  const double before = certify(problem, P_.data(), xi_.data()).residual;
+  trial_P_.view() = start_.view() + relaxation * (P_.view() - start_.view());
+  for (int k = 0; k < sweeps; ++k) sweep(problem, trial_P_.data());
+  if (keep_if_better(problem, trial_P_.data(), xi_.data(), report, P)) return true;
+  if (certify(problem, trial_P_.data(), xi_.data()).residual <= detour * before) std::swap(P_, trial_P_);
+  return false;
 }
 
 void ProximalNewton::read_contacts(const ContactProblem& problem) {
