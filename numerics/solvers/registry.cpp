@@ -2,9 +2,11 @@
 
 #include "saltus/numerics/registry.hpp"
 #include "saltus/numerics/solvers/automatic.hpp"
+#include "saltus/numerics/solvers/globalised_newton.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
 #include "saltus/numerics/solvers/prox_fixed_point.hpp"
 #include "saltus/numerics/solvers/proximal_newton.hpp"
+#include "saltus/numerics/solvers/psor.hpp"
 
 namespace saltus {
 namespace {
@@ -30,6 +32,12 @@ Registry<SolverEntry>& table() {
            make<ProximalNewton>},
           {"prox-fixed-point", "projected sweeps, P <- prox(P - r xi), steps adapt to the residual",
            make<ProxFixedPoint>},
+          {"pgs", "projected Gauss-Seidel, row by row", [] { return std::make_unique<Psor>(1.0); }},
+          {"psor", "projected successive over-relaxation, row by row", make<Psor>},
+          {"damped-newton", "Newton on the prox equations with a line search, sparse equations",
+           [] { return std::make_unique<GlobalisedNewton>(GlobalisedNewton::Map::natural); }},
+          {"fischer-burmeister", "Newton on p + xi - sqrt(p² + xi²) with a line search, no friction",
+           [] { return std::make_unique<GlobalisedNewton>(GlobalisedNewton::Map::fischer_burmeister); }},
       });
   return registry;
 }

@@ -74,10 +74,10 @@ Case coupled_slip() {
           {1 / 1.9, -0.1 / 1.9}};
 }
 
-// A linearly convergent method ends at the tolerance of the certificate, the others at rounding.
-// Those that come near a solution step by step stop at their tolerance.
+// Those that come near a solution step by step stop at their tolerance, the others at rounding.
 double accuracy(const std::string& solver) {
-  return solver == "prox-fixed-point" || solver == "proximal-newton" ? 1e-11 : 1e-13;
+  const bool stepwise = solver == "prox-fixed-point" || solver == "proximal-newton" || solver == "psor";
+  return stepwise ? 1e-11 : 1e-13;
 }
 
 TEST(SingleContact, EverySolverFindsTheClosedForm) {
@@ -113,10 +113,12 @@ TEST(SingleContact, AWarmStartDoesNotChangeTheAnswer) {
 }
 
 TEST(SingleContact, EveryPlaneCaseIsAccepted) {
-  // Else the loops above would check nothing.
+  // Else the loops above would check nothing. The function of Fischer and Burmeister knows no friction.
   for (const SolverEntry& entry : contact_solvers())
     for (const Case& c : cases_in_plane())
-      EXPECT_TRUE(entry.make()->accepts(c.problem)) << entry.name << ", " << c.what;
+      EXPECT_EQ(entry.make()->accepts(c.problem),
+                entry.name != "fischer-burmeister" || rows_of(c.problem.sets[0]) == 1)
+          << entry.name << ", " << c.what;
 }
 
 }  // namespace

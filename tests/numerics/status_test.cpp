@@ -17,7 +17,8 @@ const double nan = std::numeric_limits<double>::quiet_NaN();
 const double inf = std::numeric_limits<double>::infinity();
 
 TEST(Solvers, WithoutASolutionNoneSaysSolved) {
-  // G <= 0 cannot stop the approach: xi = -1 - P < 0, or xi = -1 for every P.
+  // G <= 0 cannot stop the approach: xi = -1 - P < 0, or xi = -1 for every P. The least residual is that of
+  // P = -1/2, which pulls as much as it approaches.
   for (const SolverEntry& entry : contact_solvers()) {
     for (double g : {-1.0, 0.0}) {
       for (const ContactSet& set :
@@ -34,7 +35,7 @@ TEST(Solvers, WithoutASolutionNoneSaysSolved) {
         std::vector<double> P(rows, 0.0);
         const SolveReport report = solver->solve(problem, P.data());
         EXPECT_NE(report.status, SolveStatus::solved) << entry.name << ", G = " << g;
-        EXPECT_GE(report.certificate.residual, 0.99) << entry.name << ", G = " << g;
+        EXPECT_GE(report.certificate.residual, g < 0.0 ? 0.49 : 0.99) << entry.name << ", G = " << g;
       }
     }
   }
@@ -101,7 +102,8 @@ TEST(Solvers, TheReportedCertificateIsThatOfTheAnswer) {
 TEST(Solvers, ThoseThatListModesTakeNoFrictionInSpace) {
   const ContactProblem space = problem_of(Matrix::Identity(3, 3), Vec::Zero(3), {Coulomb{0.5, 3}});
   for (const SolverEntry& entry : contact_solvers())
-    EXPECT_EQ(entry.make()->accepts(space), entry.name != "enumeration" && entry.name != "lemke")
+    EXPECT_EQ(entry.make()->accepts(space),
+              entry.name != "enumeration" && entry.name != "lemke" && entry.name != "fischer-burmeister")
         << entry.name;
 }
 
@@ -167,6 +169,7 @@ TEST(Solvers, SaySolvedExactlyWhereTheCertificateDoes) {
   for (const auto& [problem, start] : cases) {
     for (const SolverEntry& entry : contact_solvers()) {
       const auto solver = entry.make();
+      if (!solver->accepts(problem)) continue;
       solver->reserve(3);
       std::vector<double> P = start, xi(3);
       const bool solved = solver->solve(problem, P.data()).status == SolveStatus::solved;
