@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "saltus/numerics/text.hpp"
+#include "saltus/numerics/uniqueness.hpp"
 
 namespace saltus {
 namespace {
@@ -89,6 +90,20 @@ bool take_answer(const ContactProblem& problem, ContactSolver& method, ProblemSo
   return report.status == SolveStatus::solved;
 }
 
+void require_solvable(const ContactProblem& problem, const ContactSolver& method, double tolerance,
+                      const Vec& start) {
+  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
+    throw std::invalid_argument("tolerance must be positive and finite, got " + number(tolerance));
+  if (start.size() != problem.rows() || !start.allFinite())
+    throw std::invalid_argument("the warm start must be finite and have " + std::to_string(problem.rows()) +
+                                " entries, got " + std::to_string(start.size()) +
+                                (start.allFinite() ? "" : " with NaN or infinity"));
+  if (!method.accepts(problem))
+    throw std::invalid_argument("the contact solver '" + std::string(method.name()) +
+                                "' does not accept this problem: its sets or its size are not among those "
+                                "it solves");
+}
+
 }  // namespace
 
 double complementarity_residual(const ContactProblem& problem, const double* z) {
@@ -143,18 +158,9 @@ ProblemSolution solve_problem(const ContactProblem& given, ContactSolver& method
                               const Vec& start) {
   validate(given);
   ContactProblem problem = given.is_sparse() && !method.takes_sparse() ? dense(given) : given;
-  const std::string name(method.name());
-  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
-    throw std::invalid_argument("tolerance must be positive and finite, got " + number(tolerance));
-  if (start.size() != problem.rows() || !start.allFinite())
-    throw std::invalid_argument("the warm start must be finite and have " + std::to_string(problem.rows()) +
-                                " entries, got " + std::to_string(start.size()) +
-                                (start.allFinite() ? "" : " with NaN or infinity"));
-  if (!method.accepts(problem))
-    throw std::invalid_argument("the contact solver '" + name +
-                                "' does not accept this problem: its sets or its size are not among those "
-                                "it solves");
-  ProblemSolution answer{.solution = start, .status = SolveStatus::solved, .solver = name};
+  require_solvable(problem, method, tolerance, start);
+  ProblemSolution answer{
+      .solution = start, .status = SolveStatus::solved, .solver = std::string(method.name()), .unique = true};
   if (problem.rows() == 0) return answer;
   method.reserve(problem.rows());
   problem.tolerance = tolerance;
@@ -172,6 +178,9 @@ ProblemSolution solve_problem(const ContactProblem& given, ContactSolver& method
   } else if (answer.status == SolveStatus::solved) {
     answer.status = SolveStatus::breakdown;
   }
+  problem.tolerance = tolerance;
+  answer.unique =
+      answer.status == SolveStatus::solved ? is_only_solution(problem, answer.solution.data()) : std::nullopt;
   return answer;
 }
 

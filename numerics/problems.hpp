@@ -1,6 +1,7 @@
 #pragma once
 // Problems for their own sake: complementarity and friction, with a residual that does not depend on who
 // solves.
+#include <optional>
 #include <string>
 
 #include "saltus/numerics/contact_solver.hpp"
@@ -27,11 +28,12 @@ double friction_residual(const ContactProblem& problem, const double* r);
 double problem_residual(const ContactProblem& problem, const double* P);
 
 struct ProblemSolution {
-  Vec solution;           ///< (rows)
-  SolveStatus status;     ///< solved only where the residual is within the tolerance
-  int iterations = 0;     ///< of the methods that answered
-  double residual = 0.0;  ///< problem_residual() of the solution
-  std::string solver;     ///< name of the method that answered
+  Vec solution;                     ///< (rows)
+  SolveStatus status;               ///< solved only where the residual is within the tolerance
+  int iterations = 0;               ///< of the methods that answered
+  double residual = 0.0;            ///< problem_residual() of the solution
+  std::string solver;               ///< name of the method that answered
+  std::optional<bool> unique = {};  ///< is_only_solution() where it is solved; nothing if that is not known
 };
 
 /// Solves a problem and judges the answer by problem_residual(), whatever the method says of itself.

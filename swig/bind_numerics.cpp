@@ -94,10 +94,14 @@ void bind_problems(py::module_& module) {
       .def_readonly("iterations", &ProblemSolution::iterations, "of the method that answered")
       .def_readonly("residual", &ProblemSolution::residual, "relative, as the problem's class defines it")
       .def_readonly("solver", &ProblemSolution::solver, "the method that answered")
+      .def_readonly(
+          "unique", &ProblemSolution::unique,
+          "is it the only solution with these w or u? None if it is no solution, or that is not known")
       .def("__repr__", [](const ProblemSolution& self) {
         return std::string(to_string(self.status)) + " by " + self.solver + " in " +
                std::to_string(self.iterations) + " iterations, residual " + number(self.residual) + ", " +
-               std::to_string(self.solution.size()) + " unknowns";
+               std::to_string(self.solution.size()) + " unknowns" +
+               (self.unique == false ? ", not unique" : "");
       });
   module.def(
       "solve_problem",
@@ -105,7 +109,9 @@ void bind_problems(py::module_& module) {
          const std::string& solver, double tolerance, const std::optional<ArrayLike>& warm_start) {
         const ContactProblem problem = to_problem(G, b, sets);
         const Vec start = warm_start ? to_vec(*warm_start, "warm_start") : Vec(Vec::Zero(problem.rows()));
-        return solve_problem(problem, *make_contact_solver(solver), tolerance, start);
+        const auto method = make_contact_solver(solver);
+        py::gil_scoped_release others_may_run;  // solvers in Python take it back
+        return solve_problem(problem, *method, tolerance, start);
       },
       py::arg("G"), py::arg("b"), py::arg("sets"), py::arg("solver"), py::arg("tolerance"),
       py::arg("warm_start"));

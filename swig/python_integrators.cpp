@@ -90,16 +90,19 @@ StepReport PyIntegrator::step(double dt, State& state, Reactions& reactions) {
 std::unique_ptr<OneStepIntegrator> PyIntegrator::clone() const { return copy_of<OneStepIntegrator>(this); }
 
 std::string_view PyContactSolver::name() const {
+  const py::gil_scoped_acquire lock;
   if (name_.empty()) name_ = class_name(python_object<ContactSolver>(this));
   return name_;
 }
 
 bool PyContactSolver::accepts(const ContactProblem& problem) const {
+  const py::gil_scoped_acquire lock;
   const py::object self = python_object<ContactSolver>(this);
   return py::getattr(self, "accepts")(problem.sets).cast<bool>();
 }
 
 SolveReport PyContactSolver::solve(const ContactProblem& problem, double* P) {
+  const py::gil_scoped_acquire lock;
   const auto solve =
       method<ContactSolver>(python_object<ContactSolver>(this), "solve", "solve(self, G, b, sets, P)");
   const int rows = problem.rows();
@@ -118,7 +121,10 @@ SolveReport PyContactSolver::solve(const ContactProblem& problem, double* P) {
   return report;
 }
 
-std::unique_ptr<ContactSolver> PyContactSolver::clone() const { return copy_of<ContactSolver>(this); }
+std::unique_ptr<ContactSolver> PyContactSolver::clone() const {
+  const py::gil_scoped_acquire lock;
+  return copy_of<ContactSolver>(this);
+}
 
 PyConfiguration::PyConfiguration(const NonSmoothDynamicalSystem& model)
     : model_(std::make_shared<NonSmoothDynamicalSystem>(model)),

@@ -28,6 +28,7 @@ class PyIntegrator final : public OneStepIntegrator, public py::trampoline_self_
 };
 
 /// A contact solver whose solve() is a method of a Python class; the certificate decides about its success.
+/// It takes the interpreter's lock, which whoever calls it need not hold.
 class PyContactSolver final : public ContactSolver, public py::trampoline_self_life_support {
  public:
   std::string_view name() const override;

@@ -1,6 +1,9 @@
 """Complementarity and friction problems for their own sake: known solutions, honesty, what is refused."""
 
 import re
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -71,6 +74,59 @@ def test_an_answer_reads_well():
     assert repr(FrictionProblem(np.eye(6), np.ones(6), 0.5, 3)) == "FrictionProblem(2 contacts in 3D)"
 
 
+def test_whether_the_reactions_are_the_only_ones():
+    legs = np.array([[1, 1, 1], [1, 1, -1], [1, -1, -1], [1, -1, 1]])  # a table: heave, roll, pitch
+    for rows, unique in ((legs[:3], True), (legs, False)):
+        answer = numerics.lcp(rows @ rows.T, rows @ [-1, 0, 0])
+        assert (answer.status, answer.unique) == ("solved", unique)
+        assert repr(answer).endswith(" unknowns" if unique else " unknowns, not unique")
+        sticking = numerics.friction(
+            np.kron(rows @ rows.T, np.eye(2)), np.kron(rows @ [-1, 0, 0], [1, 0]), 0.5, 2
+        )
+        assert sticking.unique is unique
+    assert numerics.mlcp(np.ones((2, 2)), [-1, -1], 2).unique is False
+    assert numerics.lcp([[0.0]], [-1.0]).unique is None
+
+
+class Barrier(numerics.ContactSolver):
+    """Solves nothing before two threads are in it."""
+
+    barrier = threading.Barrier(2, timeout=20)
+
+    def solve(self, G, b, sets, P):
+        self.barrier.wait()
+        P[:] = np.linalg.solve(G, -b)
+
+
+def test_threads_solve_beside_each_other():
+    numerics.register_solver(Barrier)
+    with ThreadPoolExecutor(2) as pool:
+        answers = list(pool.map(lambda q: numerics.lcp(2 * np.eye(2), [q, q], "Barrier"), (-2.0, -4.0)))
+    assert [answer.solution[0] for answer in answers] == [1.0, 2.0]
+    assert [answer.status for answer in answers] == ["solved", "solved"]
+
+
+def test_other_threads_run_while_a_solver_does():
+    # no solution: sweeps use up all of their iterations
+    problem = LCP(np.kron(np.eye(60), [[1.0, 2.0], [-1.0, -1.0]]), -np.ones(120))
+    times, done = [], threading.Event()
+
+    def tick():
+        while not done.wait(0.001):
+            times.append(time.perf_counter())
+
+    with ThreadPoolExecutor(1) as pool:
+        ticks = pool.submit(tick)
+        begin = time.perf_counter()
+        status = problem.solve("nsgs").status
+        end = time.perf_counter()
+        done.set()
+        ticks.result()
+    assert status != "solved"
+    middle = begin + 0.1 * (end - begin), begin + 0.9 * (end - begin)
+    assert sum(middle[0] < t < middle[1] for t in times) >= 3
+
+
 def test_where_lemke_ends_in_a_ray():
     game = np.array([[0, 0, 10, 20], [0, 0, 30, 15], [10, 20, 0, 0], [30, 15, 0, 0]])
     assert numerics.lcp(game, -np.ones(4), "lemke").status == "ray"
@@ -82,12 +138,15 @@ def test_where_lemke_ends_in_a_ray():
 
 @pytest.mark.parametrize("solver", list(numerics.solvers()))
 def test_nothing_to_do(solver):
-    for answer in (
+    answers = [
         numerics.lcp(np.eye(3), np.zeros(3), solver),
         numerics.mlcp(np.eye(3), np.zeros(3), 1, solver),
-        numerics.friction(np.eye(4), np.zeros(4), 0.5, 2, solver),
         numerics.lcp(np.zeros((0, 0)), [], solver),
-    ):
+    ]
+    if solver != "fischer-burmeister":  # knows no friction
+        answers.append(numerics.friction(np.eye(4), np.zeros(4), 0.5, 2, solver))
+    for answer in answers:
+        assert answer.unique is True
         assert (answer.status, answer.residual) == ("solved", 0.0)
         assert not answer.solution.any()
 

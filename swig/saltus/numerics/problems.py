@@ -55,8 +55,9 @@ class Problem:
         ProblemSolution
             ``solution`` (n,); ``status``, "solved" only where the residual, computed from the solution
             outside the solver, is within the tolerance, else "ray", "iteration-limit" or "breakdown";
-            ``iterations``; ``residual``; ``solver``, the method that answered. "ray" is the answer of Lemke's
-            method where its path has no end, and of "auto" where it is so and no other method finds a
+            ``iterations``; ``residual``; ``solver``, the method that answered; ``unique``, whether it is the
+            only solution with its w or u, None where it is none or that is not known. "ray" is the answer of
+            Lemke's method where its path has no end, and of "auto" where it is so and no other method finds a
             solution.
 
         Raises
