@@ -6,6 +6,11 @@
 #include <cmath>
 
 namespace saltus {
+namespace {
+
+constexpr double nothing = 0.0;  // the solution of no equations: an empty vector may have no address
+
+}  // namespace
 
 struct SparseSolve::Klu {
   klu_common common{};
@@ -27,7 +32,7 @@ SparseSolve::~SparseSolve() = default;
 // What is rows to us is columns to KLU: it factorises Aᵀ and solves the transposed system.
 const double* SparseSolve::solve() {
   const int n = A_.rows();
-  if (n == 0) return y_.data();
+  if (n == 0) return &nothing;
   klu_common* common = &klu_->common;
   if (A_.start != start_ || A_.column != column_) {
     klu_free_symbolic(&klu_->symbolic, common);
@@ -44,7 +49,7 @@ const double* SparseSolve::solve() {
 
 const double* SparseSolve::solve_again() {
   const int n = static_cast<int>(y_.size());
-  if (n == 0) return y_.data();
+  if (n == 0) return &nothing;
   klu_common* common = &klu_->common;
   if (!klu_->numeric || !klu_tsolve(klu_->symbolic, klu_->numeric, n, 1, y_.data(), common)) return nullptr;
   const bool finite = std::all_of(y_.begin(), y_.end(), [](double x) { return std::isfinite(x); });

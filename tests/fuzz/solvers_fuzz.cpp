@@ -130,8 +130,19 @@ ContactProblem decode(Bytes& bytes) {
   Matrix G = coupling(bytes, rows);
   spoil(bytes, G);
   problem.b = right_side(bytes, G);
-  problem.G = G;  // the one place that knows how a problem stores it
+  problem.G = G;
   return problem;
+}
+
+// The same with sparse rows, without its zeros or with them
+ContactProblem sparse(const ContactProblem& problem, bool zeros) {
+  ContactProblem copy{{}, problem.b, problem.sets, problem.tolerance};
+  for (int i = 0; i < problem.G.rows(); ++i) {
+    for (int j = 0; j < problem.G.cols(); ++j)
+      if (zeros || problem.G(i, j) != 0.0) copy.sparse.add(j, problem.G(i, j));
+    copy.sparse.end_row();
+  }
+  return copy;
 }
 
 Vec warm_start(Bytes& bytes, int rows) {
@@ -154,7 +165,8 @@ Long length(const Long* x, int count) { return count == 2 ? std::hypot(x[0], x[1
 
 Long scale_of(const ContactProblem& problem, int row, int rows) {
   Long scale = 0.0;
-  for (int i = row; i < row + rows; ++i) scale = std::max(scale, std::abs(Long(problem.G(i, i))));
+  for (int i = row; i < row + rows; ++i)
+    scale = std::max(scale, std::abs(Long(saltus::entry(problem, i, i))));
   return scale == 0.0L ? 1.0L : scale;
 }
 
@@ -164,8 +176,9 @@ std::vector<Long> velocities(const ContactProblem& problem, const double* P, Lon
     Long size = std::abs(problem.b[i]);
     xi[i] = problem.b[i];
     for (int j = 0; j < problem.rows(); ++j) {
-      xi[i] += Long(problem.G(i, j)) * P[j];
-      size += std::abs(Long(problem.G(i, j)) * P[j]);
+      const Long term = Long(entry(problem, i, j)) * P[j];
+      xi[i] += term;
+      size += std::abs(term);
     }
     terms = std::max(terms, size);
   }
@@ -252,7 +265,7 @@ Long residual_of(const ContactProblem& problem, const double* P, Long& rounding)
   }
   for (int i = 0; i < row; ++i) {
     Long sum = 0.0;
-    for (int j = 0; j < row; ++j) sum += std::abs(Long(problem.G(i, j)));
+    for (int j = 0; j < row; ++j) sum += std::abs(Long(saltus::entry(problem, i, j)));
     norm = std::max(norm, sum);
     largest_P = std::max(largest_P, std::abs(Long(P[i])));
     largest_b = std::max(largest_b, std::abs(Long(problem.b[i])));
@@ -269,8 +282,9 @@ const Vec* running_start = nullptr;
 
 void require(bool holds, const std::string& solver, const char* promise) {
   if (holds) return;
-  std::cerr << std::setprecision(17) << "G =\n"
-            << running->G.view() << "\nb = " << running->b.view().transpose();
+  std::cerr << std::setprecision(17) << (running->is_sparse() ? "sparse G =\n" : "G =\n")
+            << (running->is_sparse() ? dense(*running) : *running).G.view()
+            << "\nb = " << running->b.view().transpose();
   std::cerr << "\nsets =";
   for (const ContactSet& set : running->sets) {
     const auto* law = std::get_if<Coulomb>(&set);
@@ -310,6 +324,7 @@ void judge(const std::string& name, const ContactProblem& problem, const Problem
   const bool solved = answer.status == SolveStatus::solved;
   require(solved == (answer.residual <= problem.tolerance), name,
           "a problem is solved where its residual says so");
+  require(solved || !answer.unique, name, "what is no solution is not the only one");
   if (!solved) return;
   require(finite(answer.solution), name, "a solution is finite");
   Long rounding = 0.0;
@@ -327,8 +342,9 @@ bool refused(Function function) {
   }
 }
 
-void run(const SolverEntry& entry, const ContactProblem& problem, const Vec& start, bool twice) {
+void run(const SolverEntry& entry, const ContactProblem& given, const Vec& start, bool twice) {
   const auto solver = entry.make();
+  const ContactProblem problem = given.is_sparse() && !solver->takes_sparse() ? dense(given) : given;
   if (!solver->accepts(problem)) {
     require(refused([&] { solve_problem(problem, *solver, problem.tolerance, start); }), entry.name,
             "what is not accepted is refused");
@@ -357,7 +373,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace saltus;
   Bytes bytes(data, size);
   const bool twice = bytes.once_in(4);
-  const ContactProblem problem = decode(bytes);
+  const int storage = bytes.below(4);  // dense, dense, sparse, sparse with zeros
+  ContactProblem problem = decode(bytes);
+  if (storage >= 2) problem = sparse(problem, storage == 3);
   const Vec start = warm_start(bytes, problem.rows());
   running = &problem;
   running_start = &start;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "saltus/numerics/linear/dense_solve.hpp"
+#include "saltus/numerics/linear/sparse_solve.hpp"
 #include "saltus/numerics/linear/spd_factor.hpp"
 
 namespace saltus::test {
@@ -133,6 +134,30 @@ TEST(DenseSolve, ALoadSharedByEqualContactsIsSharedEqually) {
   EXPECT_NEAR(x[0], 1.5, 1e-14);
   EXPECT_NEAR(x[1], 1.5, 1e-14);
   EXPECT_EQ(solve_with(solve, Matrix::Zero(2, 2), Vec::Constant(2, 3.0)).norm(), 0.0);
+}
+
+TEST(SparseSolve, NoEquationsHaveASolution) {
+  SparseSolve linear;  // whose vectors have no storage yet
+  EXPECT_NE(linear.solve(), nullptr);
+  EXPECT_NE(linear.solve_again(), nullptr);
+}
+
+TEST(SparseSolve, SingularEquationsHaveNone) {
+  SparseSolve linear;
+  for (const double corner : {1.0, 2.0}) {  // the same structure, singular and not
+    linear.A().clear();
+    for (const double last : {1.0, corner}) {
+      linear.A().add(0, 1.0);
+      linear.A().add(1, last);
+      linear.A().end_row();
+    }
+    linear.y() = {3.0, 4.0};
+    const double* x = linear.solve();
+    ASSERT_EQ(x != nullptr, corner == 2.0);
+    if (!x) continue;
+    EXPECT_DOUBLE_EQ(x[0], 2.0);
+    EXPECT_DOUBLE_EQ(x[1], 1.0);
+  }
 }
 
 }  // namespace
