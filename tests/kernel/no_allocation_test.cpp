@@ -5,9 +5,12 @@
 #include <cerrno>
 #include <cstddef>
 #include <new>
+#include <random>
 
 #include "saltus/kernel/model/distance.hpp"
+#include "saltus/numerics/solvers/registry.hpp"
 #include "slider_crank/slider_crank.hpp"
+#include "support/complementarity.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
 #include "support/spatial_models.hpp"
@@ -195,6 +198,26 @@ TEST(Counting, SeesEveryKindOfAllocation) {
   std::free(b);
   delete[] c;
   ::operator delete(d, std::align_val_t(64));
+}
+
+TEST(Sweeps, AllocateNothingOnceTheyHaveTheirRows) {
+  std::mt19937 random(3);
+  long sweeps = 0;
+  for (const char* name : {"pgs", "psor", "nsgs", "prox-fixed-point"}) {
+    const auto solver = make_contact_solver(name);
+    solver->reserve(20);
+    for (int k = 0; k < 20; ++k) {
+      const ContactProblem given = random_problem(random, {.dependent = k % 3, .space = 0.5});
+      const ContactProblem problem = k % 2 == 1 && solver->takes_sparse() ? with_sparse_rows(given) : given;
+      Vec P = Vec::Zero(problem.rows());
+      allocations = 0;
+      counting = true;
+      sweeps += solver->solve(problem, P.data()).iterations;
+      counting = false;
+      ASSERT_EQ(allocations, 0) << name;
+    }
+  }
+  EXPECT_GT(sweeps, 1000);
 }
 
 }  // namespace

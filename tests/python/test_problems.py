@@ -10,6 +10,7 @@ import pytest
 from saltus import numerics
 from saltus.numerics import FRICTION_KINDS, LCP, LCP_KINDS, MLCP, FrictionProblem
 from scipy import sparse
+from scipy.optimize import linprog
 
 # Cottle, Pang, Stone: The Linear Complementarity Problem, 1992, and others
 KNOWN = {
@@ -86,6 +87,52 @@ def test_whether_the_reactions_are_the_only_ones():
         assert sticking.unique is unique
     assert numerics.mlcp(np.ones((2, 2)), [-1, -1], 2).unique is False
     assert numerics.lcp([[0.0]], [-1.0]).unique is None
+
+
+def spread(problem, r):
+    """How far solutions with the velocities of r are from each other in a coordinate, within a large box."""
+    W, dim = problem.dense(), getattr(problem, "dim", 1)
+    mu = getattr(problem, "mu", np.zeros(r.size))
+    u = W @ r + problem.q
+    zero = 1e-9 * (np.abs(problem.q) + np.abs(W) @ np.abs(r)).max()
+    bounds, upper, equal = [(-1e3, 1e3)] * r.size, [], []
+    for k, friction in enumerate(mu):
+        normal = np.eye(r.size)[dim * k]
+        bounds[dim * k] = (0, 0 if u[dim * k] > zero else 1e3)
+        if dim == 1:
+            continue
+        tangent, speed = np.eye(r.size)[dim * k + 1], u[dim * k + 1]
+        if abs(speed) > zero:
+            equal.append(tangent + np.sign(speed) * friction * normal)
+        upper += [tangent - friction * normal, -tangent - friction * normal]
+    A = np.array([*W, *equal])
+    slack = 1e-9 * max(1.0, np.abs(r).max())
+    A_ub = np.array([*upper, *A, *-A])
+    b_ub = np.concatenate([np.zeros(len(upper)), A @ r, -A @ r]) + slack
+    ends = [
+        sign * linprog(sign * e, A_ub, b_ub, bounds=bounds).fun for e in np.eye(r.size) for sign in (1, -1)
+    ]
+    return max(high - low for low, high in zip(ends[::2], ends[1::2], strict=True))
+
+
+@pytest.mark.parametrize("solver", ["auto", "lemke"])
+@pytest.mark.parametrize("dim", [1, 2])
+def test_what_is_unique_has_no_other_solution(dim, solver):
+    """Whole numbers: dependent columns, rows at rest without a force, and forces on the edge of the cone."""
+    said = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(1, 5))
+        H = rng.integers(-1, 2, size=(int(rng.integers(1, 4)), n * dim)).astype(float)
+        q = -H.T @ (H @ (rng.integers(0, 3, size=n * dim) * (rng.random(n * dim) < 0.6)))
+        problem = LCP(H.T @ H, q) if dim == 1 else FrictionProblem(H.T @ H, q, rng.integers(0, 3, n) / 2, 2)
+        answer = problem.solve(solver)
+        if answer.status != "solved":
+            continue
+        widest = spread(problem, answer.solution)
+        assert answer.unique is (widest < 1e-6), (seed, widest, answer)
+        said.append(answer.unique)
+    assert 0.2 < np.mean(said) < 0.8
 
 
 class Barrier(numerics.ContactSolver):
