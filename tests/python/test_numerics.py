@@ -92,11 +92,17 @@ def test_friction_in_space_opposes_the_sliding():
         ([-2.0, -4.0], [1.0, 0.5]),  # slip the other way
     ],
 )
-@pytest.mark.parametrize("solver", list(numerics.solvers()))
+@pytest.mark.parametrize("solver", [name for name in numerics.solvers() if name != "fischer-burmeister"])
 def test_one_frictional_contact(solver, b, P):
     solution = numerics.solve(2.0 * np.eye(2), b, [Coulomb(0.5)], solver=solver)
     assert solution.status == "solved"
-    np.testing.assert_allclose(solution.P, P, atol=1e-14)
+    # over-relaxation ends at the tolerance even where the exact answer is one sweep away
+    np.testing.assert_allclose(solution.P, P, atol=1e-11 if solver == "psor" else 1e-14)
+
+
+def test_the_function_of_fischer_and_burmeister_knows_no_friction():
+    with pytest.raises(ValueError, match="'fischer-burmeister' does not accept"):
+        numerics.solve(2.0 * np.eye(2), [-2.0, 0.5], [Coulomb(0.5)], solver="fischer-burmeister")
 
 
 def test_warm_start_is_the_start_not_the_answer():
