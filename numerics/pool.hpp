@@ -15,8 +15,10 @@ using Out = Eigen::Map<Vec>;
 using InMatrix = Eigen::Map<const Matrix>;
 using OutMatrix = Eigen::Map<Matrix>;
 
-/// xᵀ y. For the few freedoms of a mechanism a plain loop costs a third of Eigen's.
+/// xᵀ y. For the few freedoms of a mechanism a plain loop costs a third of Eigen's, for many three times as
+/// much.
 inline double dot(const Vec& x, const Vec& y) {
+  if (x.size() > 32) return x.dot(y);
   double sum = 0.0;
   for (Eigen::Index i = 0, n = x.size(); i < n; ++i) sum += x.data()[i] * y.data()[i];
   return sum;
@@ -24,6 +26,7 @@ inline double dot(const Vec& x, const Vec& y) {
 
 /// Is every entry finite? Likewise.
 inline bool all_finite(const Vec& x) {
+  if (x.size() > 32) return (0.0 * x).sum() == 0.0;
   double sum = 0.0;  // NaN as soon as one is not
   for (Eigen::Index i = 0, n = x.size(); i < n; ++i) sum += 0.0 * x.data()[i];
   return sum == 0.0;

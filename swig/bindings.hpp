@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <Eigen/SparseCore>
 #include <string>
 
 #include "saltus/io/recording.hpp"
@@ -29,6 +30,10 @@ Vec to_vec(const ArrayLike& values, const std::string& what);
 Vec to_sized_vec(const ArrayLike& values, const std::string& what, Eigen::Index size);
 /// The same with two axes.
 Matrix to_matrix(const ArrayLike& values, const std::string& what);
+/// Is it one of scipy.sparse?
+bool is_sparse(const py::object& values);
+/// Any matrix of scipy.sparse, duplicates summed up. @throws as to_matrix()
+Eigen::SparseMatrix<double> to_sparse_matrix(const py::object& values, const std::string& what);
 /// A contact problem whose G is an array, or a scipy.sparse.csr_array without duplicates and with ascending
 /// columns. @throws std::invalid_argument as to_matrix() and validate()
 ContactProblem to_problem(const py::object& G, const ArrayLike& b, const std::vector<ContactSet>& sets);

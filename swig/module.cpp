@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -12,6 +13,13 @@ std::string shape_of(const py::array& array) {
   return py::str(py::tuple(py::cast(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()))));
 }
 
+void require_real(const py::object& array, const std::string& what) {
+  const std::string kind = py::str(array.attr("dtype").attr("kind"));
+  if (std::string("biuf").find(kind) == std::string::npos)
+    throw std::invalid_argument(what + " must be an array of real numbers, got " +
+                                std::string(py::str(array.attr("dtype"))));
+}
+
 // Real numbers only: a conversion that drops imaginary parts, masks or units is no conversion.
 py::array_t<double> to_numbers(const ArrayLike& values, const std::string& what) {
   const py::module_ numpy = py::module_::import("numpy");
@@ -22,10 +30,7 @@ py::array_t<double> to_numbers(const ArrayLike& values, const std::string& what)
     throw std::invalid_argument(what +
                                 " must be an array of numbers: " + std::string(py::str(error.value())));
   }
-  const std::string kind = py::str(array.dtype().attr("kind"));
-  if (std::string("biuf").find(kind) == std::string::npos)
-    throw std::invalid_argument(what + " must be an array of real numbers, got " +
-                                std::string(py::str(array.dtype())));
+  require_real(array, what);
   if (py::cast<bool>(numpy.attr("ma").attr("is_masked")(values)))
     throw std::invalid_argument(what + " must not be masked, got masked entries");
   return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
@@ -60,6 +65,31 @@ Matrix to_matrix(const ArrayLike& values, const std::string& what) {
   if (array.ndim() != 2)
     throw std::invalid_argument(what + " must have two axes, got shape " + shape_of(array));
   return Eigen::Map<const Matrix>(array.data(), array.shape(0), array.shape(1));
+}
+
+bool is_sparse(const py::object& values) {
+  // Without scipy being imported there is no such object.
+  const py::dict modules = py::module_::import("sys").attr("modules");
+  return modules.contains("scipy.sparse") && py::cast<bool>(modules["scipy.sparse"].attr("issparse")(values));
+}
+
+Eigen::SparseMatrix<double> to_sparse_matrix(const py::object& values, const std::string& what) {
+  require_real(values, what);
+  const py::tuple shape = values.attr("shape");
+  if (shape.size() != 2)
+    throw std::invalid_argument(what + " must have two axes, got shape " + std::string(py::str(shape)));
+  const py::object columns = values.attr("tocsc")(py::arg("copy") = true);
+  columns.attr("sum_duplicates")();  // also sorts
+  using Indices = py::array_t<int, py::array::c_style | py::array::forcecast>;
+  using Values = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const Values entries(columns.attr("data"));
+  if (entries.size() > std::numeric_limits<int>::max())
+    throw std::invalid_argument(what + " must have fewer than 2^31 entries, got " +
+                                std::to_string(entries.size()));
+  const Indices start(columns.attr("indptr")), row(columns.attr("indices"));
+  return Eigen::Map<const Eigen::SparseMatrix<double>>(py::cast<Eigen::Index>(shape[0]),
+                                                       py::cast<Eigen::Index>(shape[1]), entries.size(),
+                                                       start.data(), row.data(), entries.data());
 }
 
 py::array_t<double> to_array(const Vec& values) { return py::array_t<double>(values.size(), values.data()); }

@@ -13,6 +13,13 @@ namespace {
 
 constexpr double rounding = 1e-15;  // relative, of a sum of a few terms
 
+// Factorises a constant M, which must be a mass matrix.
+template <class AnyMatrix, class Factorise>
+void require_factor(const AnyMatrix& M, const std::string& what, Factorise factorise) {
+  require_mass(M, static_cast<int>(M.rows()), what);
+  if (!factorise(M)) throw std::invalid_argument(what + " is too small to be inverted");
+}
+
 }  // namespace
 
 Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
@@ -22,23 +29,32 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
   curvature_.setZero(layout_->most_rows);
   mass_.assign(layout_->mass_entries, 0.0);
   jacobians_.assign(layout_->jacobian_entries, 0.0);
+  for (const auto& contact : layout_->contacts) columns_.insert(columns_.end(), contact.rows, {0, contact.n});
   has_jacobian_.assign(layout_->contacts.size(), 0);
   closed_.assign(layout_->contacts.size(), 0);
   factors_.resize(layout_->systems.size());
   auto constant = std::make_shared<std::vector<SpdFactor>>(layout_->systems.size());
+  auto sparse = std::make_shared<std::vector<SparseFactor>>(layout_->systems.size());
   for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
     const auto& system = layout_->systems[k];
     if (!system.constant_mass) {
       factors_[k].reserve(system.n);
       continue;
     }
+    const std::string what = "mass of system " + std::to_string(k);
+    if (system.sparse) {
+      require_factor(system.sparse->mass.entries(), what,
+                     [&](const SparseEntries& M) { return (*sparse)[k].factorise_positive(M); });
+      continue;
+    }
     OutMatrix M(mass_.data() + system.block, system.n, system.n);
     system.model->mass({q_.data() + system.offset, system.n}, M);
-    require_mass(M, system.n, "mass of system " + std::to_string(k));
-    if (!(*constant)[k].factorise_constant({M.data(), system.n, system.n}))
-      throw std::invalid_argument("mass of system " + std::to_string(k) + " is too small to be inverted");
+    require_factor(Matrix(M), what, [&](const Matrix& own) {
+      return (*constant)[k].factorise_constant({own.data(), system.n, system.n});
+    });
   }
   constant_factors_ = std::move(constant);
+  sparse_factors_ = std::move(sparse);
 }
 
 void Configuration::move_without_gaps(const Vec& q) {
@@ -75,11 +91,16 @@ bool Configuration::factorise() {
 
 void Configuration::solve_mass(Vec& x) const {
   for (std::size_t k = 0; k < layout_->systems.size(); ++k)
-    factor(static_cast<int>(k)).solve(x.data() + layout_->systems[k].offset);
+    solve_block(static_cast<int>(k), x.data() + layout_->systems[k].offset);
 }
 
 void Configuration::multiply_mass(const Vec& x, Vec& y) const {
   for (const auto& system : layout_->systems) {
+    if (system.sparse) {
+      y.segment(system.offset, system.n).setZero();
+      system.sparse->mass.add_product(1.0, x.data() + system.offset, y.data() + system.offset);
+      continue;
+    }
     const InMatrix M(mass_.data() + system.block, system.n, system.n);
     y.segment(system.offset, system.n).noalias() = M * x.segment(system.offset, system.n);
   }
@@ -96,6 +117,10 @@ double Configuration::kinetic_energy(const Vec& v, bool only_varying) const {
     if (only_varying && system.constant_mass) continue;
     const double* M = mass_.data() + system.block;
     const double* w = v.data() + system.offset;
+    if (system.sparse) {
+      twice += system.sparse->mass.form(w);
+      continue;
+    }
     for (int i = 0; i < system.n; ++i, M += system.n) {
       double sum = 0.0;
       for (int j = 0; j < system.n; ++j) sum += M[j] * w[j];
@@ -123,29 +148,42 @@ void Configuration::evaluate_jacobian(int contact) {
   std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
   slot.relation->jacobian(local(slot, q_, local_q_), {J, slot.rows, slot.n});
   has_jacobian_[contact] = 1;
+  if (!slot.constant_jacobian) return;
+  for (int i = 0; i < slot.rows; ++i, J += slot.n) {
+    Columns& columns = columns_[slot.row + i];
+    while (columns.last > 0 && J[columns.last - 1] == 0.0) --columns.last;
+    while (columns.first < columns.last && J[columns.first] == 0.0) ++columns.first;
+  }
+}
+
+// Calls function(entry, freedom) for a row of Wᵀ. A contact of a bar moves a few of its freedoms.
+template <class Function>
+void Configuration::for_jacobian(int contact, int row, Function function) {
+  const auto& slot = layout_->contacts[contact];
+  const double* J = jacobian(contact) + static_cast<std::size_t>(row) * slot.n;
+  const Columns columns = columns_[slot.row + row];
+  int start = 0;  // column of the side
+  for (int side = 0; side < slot.sides; ++side) {
+    const auto& system = layout_->systems[slot.system[side]];
+    const int last = std::min(columns.last, start + system.n);
+    for (int j = std::max(columns.first, start); j < last; ++j) function(J[j], system.offset + j - start);
+    start += system.n;
+  }
 }
 
 void Configuration::relative_velocity(int contact, const Vec& v, double* gamma) {
-  const auto& slot = layout_->contacts[contact];
-  const double* J = jacobian(contact);
-  for (int i = 0; i < slot.rows; ++i) {
-    gamma[i] = 0.0;
-    for (int side = 0; side < slot.sides; ++side) {
-      const auto& system = layout_->systems[slot.system[side]];
-      for (int j = 0; j < system.n; ++j) gamma[i] += *J++ * v[system.offset + j];
-    }
+  for (int i = 0; i < layout_->contacts[contact].rows; ++i) {
+    double sum = 0.0;
+    for_jacobian(contact, i, [&](double entry, int freedom) { sum += entry * v[freedom]; });
+    gamma[i] = sum;
   }
 }
 
 double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt) {
-  const auto& slot = layout_->contacts[contact];
-  const double* J = jacobian(contact);
   double size = 0.0;
-  for (int side = 0; side < slot.sides; ++side) {
-    const auto& system = layout_->systems[slot.system[side]];
-    for (int j = system.offset; j < system.offset + system.n; ++j)
-      size += std::abs(*J++) * (std::abs(v[j]) + dt * std::abs(a[j]));
-  }
+  for_jacobian(contact, 0, [&](double entry, int freedom) {
+    size += std::abs(entry) * (std::abs(v[freedom]) + dt * std::abs(a[freedom]));
+  });
   return layout_->tolerance * size;
 }
 
@@ -160,13 +198,8 @@ double Configuration::gap_tolerance(int contact, int row) { return rounding * te
 
 // Sum of |W_ij x_i| in one row of Wᵀ
 double Configuration::term_size(int contact, int row, const Vec& x) {
-  const auto& slot = layout_->contacts[contact];
-  const double* J = jacobian(contact) + static_cast<std::size_t>(row) * slot.n;
   double size = 0.0;
-  for (int side = 0; side < slot.sides; ++side) {
-    const auto& system = layout_->systems[slot.system[side]];
-    for (int j = system.offset; j < system.offset + system.n; ++j) size += std::abs(*J++ * x[j]);
-  }
+  for_jacobian(contact, row, [&](double entry, int freedom) { size += std::abs(entry * x[freedom]); });
   return size;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "saltus/kernel/assembly/partition.hpp"
+#include "saltus/numerics/linear/sparse_factor.hpp"
 #include "saltus/numerics/linear/spd_factor.hpp"
 
 namespace saltus {
@@ -24,13 +25,18 @@ class Configuration final : public BlockInverse {
   /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
   bool factorise();
   /// x <- M⁻¹ x for one system, x (n of it)
-  void solve_block(int system, double* x) const override { factor(system).solve(x); }
-  bool constant() const override { return !layout_->varying_mass; }
+  void solve_block(int system, double* x) const override {
+    if (layout_->systems[system].sparse)
+      (*sparse_factors_)[system].solve(x);
+    else
+      factor(system).solve(x);
+  }
+  long revision() const override { return layout_->varying_mass ? 0 : 1; }
   /// x <- M⁻¹ x, x (n)
   void solve_mass(Vec& x) const;
   /// y <- M x, both (n), after factorise()
   void multiply_mass(const Vec& x, Vec& y) const;
-  /// M of one system (n, n of it), after factorise()
+  /// M of one system (n, n of it) that is not sparse, after factorise()
   InMatrix mass(int system) const;
   /// Does M of some system depend on q?
   bool has_varying_mass() const { return layout_->varying_mass; }
@@ -74,15 +80,22 @@ class Configuration final : public BlockInverse {
     return layout_->local(contact, x, both.data());
   }
   void evaluate_jacobian(int contact);
+  template <class Function>
+  void for_jacobian(int contact, int row, Function function);
   double term_size(int contact, int row, const Vec& x);
   const SpdFactor& factor(int system) const {
     return layout_->systems[system].constant_mass ? (*constant_factors_)[system] : factors_[system];
   }
 
   std::shared_ptr<const Layout> layout_;
-  std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;  // shared by copies
+  std::shared_ptr<const std::vector<SpdFactor>> constant_factors_;   // shared by copies
+  std::shared_ptr<const std::vector<SparseFactor>> sparse_factors_;  // of sparse systems, likewise
   Vec q_, gaps_, local_q_, local_v_, curvature_;
+  struct Columns {
+    int first, last;
+  };
   std::vector<double> mass_, jacobians_;
+  std::vector<Columns> columns_;  // of each row of Wᵀ: beyond these a constant one is zero
   std::vector<int>
       closed_;  // as many as there are contacts: a copy of a vector keeps its size, not its capacity
   std::size_t closed_count_ = 0;

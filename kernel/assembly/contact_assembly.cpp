@@ -15,6 +15,7 @@ ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout,
     : layout_(std::move(layout)),
       partition_(std::move(partition)),
       sparse_(sparse),
+      answered_with_(layout_->contacts.size(), 0),
       touching_(partition_->blocks.size()) {
   const int rows = sparse_ ? 0 : std::min(layout_->rows, reserved_rows);
   problem_.G.reserve(rows, rows);
@@ -52,12 +53,17 @@ void ContactAssembly::place(const Layout::Contact& contact) {
 
 void ContactAssembly::assemble(const std::vector<int>& active, Configuration& constraint,
                                Configuration& force, const BlockInverse& inverse) {
-  const bool constant = inverse.constant() && !layout_->varying_jacobian;
+  const long revision = inverse.revision(), known = layout_->varying_jacobian ? 0 : revision;
   const bool same = active == active_;
-  if (constant && constant_ && same) return;  // G is still what it was
-  constant_ = constant;
+  if (known != 0 && known == made_with_ && same) return;  // G is still what it was
+  made_with_ = known;
   if (!same) choose(active);
-  for (int contact : active_) respond(contact, force.jacobian(contact), inverse);
+  for (int contact : active_) {
+    const bool constant = revision != 0 && layout_->contacts[contact].constant_jacobian;
+    if (constant && answered_with_[contact] == revision) continue;
+    respond(contact, force.jacobian(contact), inverse);
+    answered_with_[contact] = constant ? revision : 0;
+  }
   if (sparse_)
     std::fill(problem_.sparse.value.begin(), problem_.sparse.value.end(), 0.0);
   else

@@ -80,7 +80,8 @@ class ContactAssembly {
   bool sparse_;
   ContactProblem problem_;
   std::vector<int> active_;
-  bool constant_ = false;  // G depends on active_ alone
+  long made_with_ = 0;               // the revision of the matrix that is in G; 0 if W changes as well
+  std::vector<long> answered_with_;  // and of each contact in minv_w_
   std::vector<Span> spans_;
   std::vector<Extent> extents_;               // of each contact
   std::vector<double> minv_w_;                // rows of (M⁻¹W)ᵀ of all contacts

@@ -9,6 +9,23 @@ namespace {
 // Forward differences lose half of the digits: enough for the direction of an iteration.
 const double difference_step = std::sqrt(std::numeric_limits<double>::epsilon());
 
+// Adds a block at (row, column); only the entries that are not zero.
+template <class Block>
+void add_entries(const Block& block, double factor, int row, int column,
+                 std::vector<Eigen::Triplet<double>>& entries) {
+  for (Eigen::Index i = 0; i < block.rows(); ++i)
+    for (Eigen::Index j = 0; j < block.cols(); ++j)
+      if (block(i, j) != 0.0)
+        entries.emplace_back(row + static_cast<int>(i), column + static_cast<int>(j), factor * block(i, j));
+}
+
+void add_entries(const SparseEntries& block, double factor, int row, int column,
+                 std::vector<Eigen::Triplet<double>>& entries) {
+  for (int i = 0; i < block.outerSize(); ++i)
+    for (SparseEntries::InnerIterator entry(block, i); entry; ++entry)
+      entries.emplace_back(row + i, column + static_cast<int>(entry.col()), factor * entry.value());
+}
+
 double step_at(double x) { return difference_step * std::max(1.0, std::abs(x)); }
 
 }  // namespace
@@ -18,24 +35,31 @@ ForceJacobians::ForceJacobians(std::shared_ptr<const Layout> layout)
   const std::size_t blocks = partition_->blocks.size();
   forces_.resize(blocks);
   time_invariant_.assign(blocks, true);
-  int largest = layout_->largest_force;
+  sparse_.assign(blocks, false);
   for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
-    largest = std::max(largest, layout_->systems[k].n);
-    if (!layout_->systems[k].model->time_invariant()) time_invariant_[partition_->places[k].block] = false;
+    const int block = partition_->places[k].block;
+    if (!layout_->systems[k].model->time_invariant()) time_invariant_[block] = false;
+    if (layout_->systems[k].sparse) sparse_[block] = true;
   }
+  int largest = 0;  // of what needs a dense matrix of its own
+  for (const auto& system : layout_->systems)
+    if (!system.sparse) largest = std::max(largest, system.n);
   for (std::size_t k = 0; k < layout_->forces.size(); ++k) {
     const int block = partition_->places[layout_->forces[k].system[0]].block;
     forces_[block].push_back(static_cast<int>(k));
+    if (!sparse_[block]) largest = std::max(largest, layout_->forces[k].n);
     if (!layout_->forces[k].element->time_invariant()) time_invariant_[block] = false;
   }
   for (PoolMatrix* A : {&local_dq_, &local_dv_}) A->reserve(largest, largest);
-  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->reserve(largest);
+  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->reserve(std::max(largest, layout_->largest_force));
   stretch_.resize(3 * layout_->largest_force);
-  for (int n : partition_->sizes)
-    for (PoolMatrix* A : {&dh_dq_, &dh_dv_}) A->reserve(n, n);
+  for (std::size_t block = 0; block < blocks; ++block)
+    if (const int n = partition_->sizes[block]; !sparse_[block])
+      for (PoolMatrix* A : {&dh_dq_, &dh_dv_}) A->reserve(n, n);
 }
 
 void ForceJacobians::evaluate(int block, double t, const Vec& q, const Vec& v) {
+  if (sparse_[block]) return evaluate_sparse(block, t, q, v);
   const int n = partition_->sizes[block];
   for (PoolMatrix* A : {&dh_dq_, &dh_dv_}) {
     A->resize(n, n);
@@ -46,6 +70,89 @@ void ForceJacobians::evaluate(int block, double t, const Vec& q, const Vec& v) {
   else
     for (int system : partition_->blocks[block]) add_system(system, t, q, v);
   for (int force : forces_[block]) add_element(layout_->forces[force], t, q, v);
+}
+
+void ForceJacobians::evaluate_sparse(int block, double t, const Vec& q, const Vec& v) {
+  size_ = partition_->sizes[block];
+  dq_entries_.clear();
+  dv_entries_.clear();
+  for (int k : partition_->blocks[block]) {
+    const auto& system = layout_->systems[k];
+    const int at = partition_->places[k].offset;
+    if (system.sparse) {
+      add_entries(system.sparse->stiffness.entries(), -1.0, at, at, dq_entries_);
+      add_entries(system.sparse->damping.entries(), -1.0, at, at, dv_entries_);
+      continue;
+    }
+    for (PoolMatrix* A : {&local_dq_, &local_dv_}) {
+      A->resize(system.n, system.n);
+      A->view().setZero();
+    }
+    evaluate_system(k, t, q, v, local_dq_, local_dv_);
+    add_entries(local_dq_.view(), 1.0, at, at, dq_entries_);
+    add_entries(local_dv_.view(), 1.0, at, at, dv_entries_);
+  }
+  for (int force : forces_[block]) add_element_sparse(layout_->forces[force], t, q, v);
+}
+
+SparseEntries ForceJacobians::collect(const Entries& entries) const {
+  SparseEntries result(size_, size_);
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+SparseEntries ForceJacobians::sparse_mass(int block, const Configuration& position) const {
+  const int n = partition_->sizes[block];
+  Entries entries;
+  for (int k : partition_->blocks[block]) {
+    const int at = partition_->places[k].offset;
+    if (const auto* sparse = layout_->systems[k].sparse)
+      add_entries(sparse->mass.entries(), 1.0, at, at, entries);
+    else
+      add_entries(position.mass(k), 1.0, at, at, entries);
+  }
+  SparseEntries M(n, n);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+// Where a freedom of the element's systems is in their block
+int ForceJacobians::place(const Layout::Force& force, int freedom) const {
+  const int first = layout_->systems[force.system[0]].n;
+  if (freedom < first) return partition_->places[force.system[0]].offset + freedom;
+  return partition_->places[force.system[1]].offset + freedom - first;
+}
+
+// As add_element(), column by column of what is not zero
+void ForceJacobians::add_element_sparse(const Layout::Force& force, double t, const Vec& q, const Vec& v) {
+  const Stretch state = stretch(*layout_, force, q, v, stretch_.data());
+  const ForceLaw& law = force.element->law();
+  const ForceLaw::Slopes slopes = law.slopes(t, state.length, state.rate);
+  const In W(state.W, force.n);
+  const Relation& relation = force.element->relation();
+  const bool turns = !relation.constant_jacobian();
+  const double f = turns ? law.force(t, state.length, state.rate) : 0.0;
+  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->resize(force.n);
+  ahead_.view() = state.q;
+  Out column = h_.view(), turned = h_ahead_.view();
+  for (int j = 0; j < force.n; ++j) {
+    if (W[j] == 0.0 && !turns) continue;
+    column = slopes.length * W[j] * W;
+    if (turns) {
+      const double step = step_at(state.q[j]);
+      ahead_[j] = state.q[j] + step;
+      turned.setZero();
+      relation.jacobian({ahead_.data(), force.n}, {turned.data(), 1, force.n});
+      turned = (turned - W) / step;
+      column += f * turned + slopes.rate * turned.dot(state.v) * W;
+      ahead_[j] = state.q[j];
+    }
+    for (int i = 0; i < force.n; ++i) {
+      if (column[i] != 0.0) dq_entries_.emplace_back(place(force, i), place(force, j), column[i]);
+      const double damping = slopes.rate * W[i] * W[j];
+      if (damping != 0.0) dv_entries_.emplace_back(place(force, i), place(force, j), damping);
+    }
+  }
 }
 
 void ForceJacobians::add_system(int system, double t, const Vec& q, const Vec& v) {

@@ -2,13 +2,15 @@
 
 namespace saltus {
 
-Layout::Layout(const NonSmoothDynamicalSystem& model, double tolerance) : tolerance(tolerance) {
+Layout::Layout(const NonSmoothDynamicalSystem& model, double tolerance_of_problems)
+    : tolerance(tolerance_of_problems) {
   for (const auto& system : model.systems()) {
     const int size = system->dimension();
-    systems.push_back({system.get(), n, size, mass_entries, system->constant_mass()});
-    varying_mass = varying_mass || !system->constant_mass();
+    const SparseTerms* sparse = system->sparse_terms();
+    systems.push_back({system.get(), n, size, mass_entries, sparse || system->constant_mass(), sparse});
+    varying_mass = varying_mass || !systems.back().constant_mass;
     n += size;
-    mass_entries += static_cast<std::size_t>(size) * size;
+    if (!sparse) mass_entries += static_cast<std::size_t>(size) * size;
   }
   for (const auto& link : model.links()) {
     Contact contact{};

@@ -14,8 +14,9 @@ struct Layout {
     const LagrangianDS* model;
     int offset;         ///< of its freedoms in q and v
     int n;              ///< number of them
-    std::size_t block;  ///< of its M, row by row, among all blocks of M
+    std::size_t block;  ///< of its M, row by row, among all blocks of dense M
     bool constant_mass;
+    const SparseTerms* sparse;  ///< its M, K, C if they are sparse: there is no dense block then
   };
   /// The systems that something acts on.
   struct Sides {
@@ -37,8 +38,7 @@ struct Layout {
     const ForceElement* element;
   };
 
-  /// @param tolerance  of contact problems
-  explicit Layout(const NonSmoothDynamicalSystem& model, double tolerance = default_tolerance);
+  explicit Layout(const NonSmoothDynamicalSystem& model, double tolerance_of_problems = default_tolerance);
 
   /// The part of x (n) that belongs to these systems; gathered into `both` if there are two.
   In local(const Sides& part, const Vec& x, double* both) const {

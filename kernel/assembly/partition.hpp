@@ -30,8 +30,8 @@ class BlockInverse {
   virtual ~BlockInverse() = default;
   /// x <- A⁻¹ x for one block, x (n of it)
   virtual void solve_block(int block, double* x) const = 0;
-  /// True if it is the same in all steps.
-  virtual bool constant() const { return false; }
+  /// A number that is another one after every change of the matrix; 0 if nothing is known about that.
+  virtual long revision() const { return 0; }
 };
 
 }  // namespace saltus

@@ -1,8 +1,14 @@
 #pragma once
 
-#include "saltus/numerics/pool.hpp"
+#include "saltus/numerics/linear/sparse_matrix.hpp"
 
 namespace saltus {
+
+/// What a linear system has instead of dense matrices, where they would be mostly zeros: M, K = −∂h/∂q,
+/// C = −∂h/∂v, (n, n), all constant. Without entries K and C may be empty.
+struct SparseTerms {
+  SparseMatrix mass, stiffness, damping;
+};
 
 /// A mechanical system in generalised coordinates: q̇ = v, M(q) v̇ = h(t, q, v) + W λ, (1)-(2).
 /// Derive from it and implement mass() and forces(); both write into storage that starts as zero.
@@ -30,6 +36,9 @@ class LagrangianDS {
   virtual bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const;
   /// True if M, ∂h/∂q and ∂h/∂v are constant: implicit schemes then factorise once.
   virtual bool time_invariant() const { return false; }
+  /// The matrices of a time-invariant system if they are sparse, else nullptr. Where they are given, nothing
+  /// asks for dense ones.
+  virtual const SparseTerms* sparse_terms() const { return nullptr; }
   /// Potential energy of the forces in h [J], NaN if unknown. Only reported, never integrated.
   virtual double potential_energy(const In& q) const;
 

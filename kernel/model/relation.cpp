@@ -20,6 +20,12 @@ LagrangianLinearTIR::LagrangianLinearTIR(Matrix H, Vec b)
                                 std::to_string(b_.size()));
   if (!H_.allFinite()) throw std::invalid_argument("H must be finite, got NaN or infinity");
   if (!b_.allFinite()) throw std::invalid_argument("b must be finite, got NaN or infinity");
+  for (Eigen::Index i = 0; i < H_.rows(); ++i) {
+    Eigen::Index first = 0, last = H_.cols();
+    while (last > 0 && H_(i, last - 1) == 0.0) --last;
+    while (first < last && H_(i, first) == 0.0) ++first;
+    columns_.push_back({first, last});
+  }
 }
 
 LagrangianLinearTIR::LagrangianLinearTIR(Matrix H) : LagrangianLinearTIR(H, Vec::Zero(H.rows())) {}
@@ -35,7 +41,7 @@ void LagrangianLinearTIR::gap(const In& q, Out g) const {
   const double* row = H_.data();  // a plain loop: contacts have few rows
   for (Eigen::Index i = 0; i < g.size(); ++i, row += H_.cols()) {
     double sum = b_[i];
-    for (Eigen::Index j = 0; j < H_.cols(); ++j) sum += row[j] * q[j];
+    for (Eigen::Index j = columns_[i].first; j < columns_[i].last; ++j) sum += row[j] * q[j];
     g[i] = sum;
   }
 }

@@ -49,8 +49,12 @@ class LagrangianLinearTIR final : public Relation {
   bool constant_jacobian() const override { return true; }
 
  private:
+  struct Columns {
+    Eigen::Index first, last;
+  };
   Matrix H_;
   Vec b_;
+  std::vector<Columns> columns_;  // of each row: beyond these it is zero
 };
 
 }  // namespace saltus

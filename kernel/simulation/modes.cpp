@@ -13,6 +13,10 @@ constexpr double symmetry_tolerance = 1e-9;
 bool symmetric(const Matrix& A) {
   return (A - A.transpose()).cwiseAbs().maxCoeff() <= symmetry_tolerance * A.cwiseAbs().maxCoeff();
 }
+bool symmetric(const SparseEntries& A) { return asymmetry(A) <= symmetry_tolerance * largest_entry(A); }
+
+bool any(const Matrix& A) { return A.any(); }
+bool any(const SparseEntries& A) { return largest_entry(A) > 0.0; }
 
 // M of a block; of time-invariant systems it does not depend on q
 Matrix mass_of(const Layout& layout, const Partition& partition, int block, const Vec& q) {
@@ -26,9 +30,9 @@ Matrix mass_of(const Layout& layout, const Partition& partition, int block, cons
   return M;
 }
 
-int most_moved(const Layout& layout, const Partition& partition, int block, const Matrix& M,
+// @param momentum  M φ
+int most_moved(const Layout& layout, const Partition& partition, int block, const Vec& momentum,
                const Vec& mode) {
-  const Vec momentum = M * mode;
   int most = partition.blocks[block].front();
   double largest = -1.0;
   for (int k : partition.blocks[block]) {
@@ -41,11 +45,32 @@ int most_moved(const Layout& layout, const Partition& partition, int block, cons
 }
 
 // The mode of the largest eigenvalue of (M, A), A being K or C, if it is positive
-std::optional<Vec> top_mode(const Matrix& A, const Matrix& M) {
-  if (!A.any()) return std::nullopt;
+template <class AnyMatrix>
+std::optional<Vec> top_mode(const AnyMatrix& A, const AnyMatrix& M) {
+  if (!any(A)) return std::nullopt;
   const Vec mode = largest_eigenvector(A, M);
   if (mode.size() == 0 || !(mode.dot(A * mode) > 0.0)) return std::nullopt;
   return mode;
+}
+
+struct Fastest {
+  Mode stiffest, most_damped;
+};
+
+// Those of one block, if they are faster than what was found before
+template <class AnyMatrix>
+void note(const Layout& layout, const Partition& partition, int block, const AnyMatrix& M, const AnyMatrix& K,
+          const AnyMatrix& C, Fastest& fastest) {
+  if (!symmetric(K) || !symmetric(C)) return;
+  auto compare = [&](const AnyMatrix& A, double Mode::* size, Mode& largest) {
+    const std::optional<Vec> mode = top_mode(A, M);
+    if (!mode) return;
+    const Mode found{mode->dot(K * *mode), mode->dot(C * *mode),
+                     most_moved(layout, partition, block, M * *mode, *mode)};
+    if (found.*size > largest.*size) largest = found;
+  };
+  compare(K, &Mode::stiffness, fastest.stiffest);
+  compare(C, &Mode::damping, fastest.most_damped);
 }
 
 }  // namespace
@@ -55,26 +80,23 @@ std::vector<Mode> fastest_modes(const NonSmoothDynamicalSystem& model) {
   ForceJacobians jacobians(layout);
   const Partition& partition = *jacobians.partition();
   const Vec q = model.q0(), v = model.v0();
-  Mode stiffest{}, most_damped{};
+  Fastest fastest;
   for (int block = 0; block < static_cast<int>(partition.blocks.size()); ++block) {
     if (!jacobians.time_invariant(block)) continue;
     jacobians.evaluate(block, model.t0(), q, v);
-    const Matrix K = -jacobians.dh_dq(), C = -jacobians.dh_dv();
-    if ((!K.any() && !C.any()) || !symmetric(K) || !symmetric(C)) continue;
-    const Matrix M = mass_of(*layout, partition, block, q);
-    auto note = [&](const Matrix& A, double Mode::* size, Mode& largest) {
-      const std::optional<Vec> mode = top_mode(A, M);
-      if (!mode) return;
-      const Mode found{mode->dot(K * *mode), mode->dot(C * *mode),
-                       most_moved(*layout, partition, block, M, *mode)};
-      if (found.*size > largest.*size) largest = found;
-    };
-    note(K, &Mode::stiffness, stiffest);
-    note(C, &Mode::damping, most_damped);
+    if (jacobians.sparse(block)) {
+      const SparseEntries K = -jacobians.sparse_dh_dq(), C = -jacobians.sparse_dh_dv();
+      const SparseEntries M = jacobians.sparse_mass(block, Configuration(layout));
+      note(*layout, partition, block, M, K, C, fastest);
+    } else {
+      const Matrix K = -jacobians.dh_dq(), C = -jacobians.dh_dv();
+      if (any(K) || any(C))
+        note(*layout, partition, block, mass_of(*layout, partition, block, q), K, C, fastest);
+    }
   }
   std::vector<Mode> modes;
-  if (stiffest.stiffness > 0.0) modes.push_back(stiffest);
-  if (most_damped.damping > 0.0) modes.push_back(most_damped);
+  if (fastest.stiffest.stiffness > 0.0) modes.push_back(fastest.stiffest);
+  if (fastest.most_damped.damping > 0.0) modes.push_back(fastest.most_damped);
   return modes;
 }
 

@@ -2,8 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "saltus/numerics/linear/sparse_factor.hpp"
 
 namespace saltus {
 namespace {
@@ -12,6 +15,8 @@ constexpr int few = 40;           // a complete decomposition takes below a mill
 constexpr int most_vectors = 64;  // of a Krylov space
 constexpr int vectors_between_looks = 8;
 constexpr double tolerance = 1e-10;
+
+constexpr int most_steps = 200;  // of the iteration that keeps no vectors
 
 using Columns = Eigen::MatrixXd;
 
@@ -86,7 +91,86 @@ Vec lanczos(const Product& product, Eigen::Index n) {
   return top;
 }
 
+// Lanczos iteration for M⁻¹A in the inner product of M, by its recurrence of three terms. What rounding costs
+// is orthogonality, and so copies of eigenvalues: the largest one stays right.
+class Recurrence {
+ public:
+  Recurrence(const SparseEntries& A, const SparseEntries& M) : A_(A), M_(M) {
+    defined_ = factor_.factorise_positive(M_.entries());
+  }
+  bool defined() const { return defined_; }
+  /// The first vector.
+  void begin() {
+    last_.setZero(M_.entries().rows());
+    x_ = start(M_.entries().rows());
+    normalise(x_);
+    coupling_ = 0.0;
+  }
+  const Vec& x() const { return x_; }
+  /// The next one. @return the entry of the diagonal of the projected matrix
+  double advance() {
+    next_.setZero(x_.size());
+    A_.add_product(1.0, x_.data(), next_.data());
+    const double diagonal = next_.dot(x_);
+    factor_.solve(next_.data());
+    next_ -= diagonal * x_ + coupling_ * last_;
+    coupling_ = normalise(next_);
+    last_.swap(x_);
+    x_.swap(next_);
+    return diagonal;
+  }
+  /// The entry beside the diagonal, after advance().
+  double coupling() const { return coupling_; }
+  double normalise(Vec& x) const {
+    const double size = std::sqrt(std::max(M_.form(x.data()), 0.0));
+    if (size > 0.0) x /= size;
+    return size;
+  }
+
+ private:
+  SparseMatrix A_, M_;
+  SparseFactor factor_;
+  bool defined_;
+  Vec last_, x_, next_;
+  double coupling_ = 0.0;
+};
+
+// Coefficients of the wanted vector in those of the recurrence
+Vec top_coefficients(Recurrence& recurrence) {
+  std::vector<double> diagonal, beside;
+  double last = 0.0;
+  recurrence.begin();
+  for (int k = 1;; ++k) {
+    diagonal.push_back(recurrence.advance());
+    const bool complete =
+        k == most_steps || recurrence.coupling() <= tolerance * *std::ranges::max_element(diagonal);
+    if (complete || k % vectors_between_looks == 0) {
+      Eigen::SelfAdjointEigenSolver<Columns> small;
+      small.computeFromTridiagonal(In(diagonal.data(), k), In(beside.data(), k - 1));
+      const double value = small.eigenvalues()[k - 1];
+      if (complete || std::abs(value - last) <= tolerance * std::abs(value))
+        return small.eigenvectors().col(k - 1);
+      last = value;
+    }
+    beside.push_back(recurrence.coupling());
+  }
+}
+
 }  // namespace
+
+Vec largest_eigenvector(const SparseEntries& A, const SparseEntries& M) {
+  Recurrence recurrence(A, M);
+  if (!recurrence.defined() || !std::isfinite(largest_entry(A))) return {};
+  const Vec coefficients = top_coefficients(recurrence);
+  Vec mode = Vec::Zero(A.rows());
+  recurrence.begin();
+  for (double coefficient : coefficients) {
+    mode += coefficient * recurrence.x();
+    recurrence.advance();
+  }
+  recurrence.normalise(mode);
+  return mode;
+}
 
 Vec largest_eigenvector(const Matrix& A, const Matrix& M) {
   if (!A.allFinite()) return {};

@@ -1,7 +1,7 @@
 #pragma once
-#include <memory>
 #include <vector>
 
+#include "saltus/numerics/linear/klu_factor.hpp"
 #include "saltus/numerics/sparse_rows.hpp"
 
 namespace saltus {
@@ -9,11 +9,6 @@ namespace saltus {
 /// Solves sparse unsymmetric systems A x = y by KLU. The structure is analysed again where it changes.
 class SparseSolve {
  public:
-  SparseSolve();
-  ~SparseSolve();
-  SparseSolve(const SparseSolve&) = delete;
-  SparseSolve& operator=(const SparseSolve&) = delete;
-
   /// To be filled row by row.
   SparseRows& A() { return A_; }
   std::vector<double>& y() { return y_; }
@@ -22,15 +17,12 @@ class SparseSolve {
   /// x of another y, with the A of the last solve(). @return as solve()
   const double* solve_again();
   /// Operations of all factorisations so far: what bounds an iteration where rows tell little.
-  double work() const { return work_; }
+  double work() const { return factor_.work(); }
 
  private:
-  struct Klu;
-  std::unique_ptr<Klu> klu_;
+  KluFactor factor_;
   SparseRows A_;
   std::vector<double> y_;
-  std::vector<int> start_, column_;  // the structure that was analysed
-  double work_ = 0.0;
 };
 
 }  // namespace saltus

@@ -12,7 +12,8 @@ constexpr int most_rounds = 50;
 constexpr int most_reserved_rows =
     256;  // of dense methods, whose storage is their square: beyond, it grows when needed
 constexpr int most_dense_rows = 48;  // of a component: beyond, sparse equations are cheaper
-constexpr int most_last_rows = 600;  // where these fail, dense methods are the last resort
+constexpr int most_last_rows =
+    600;  // where these fail, dense methods are the last resort; for a dense G at any size
 // Of the rounds together, counted in operations of Newton's method: seconds, where small problems take all
 // rounds.
 constexpr double most_work = 2e10;
@@ -51,7 +52,8 @@ SolveReport Automatic::solve_single(const ContactProblem& problem, double* P) {
 }
 
 SolveReport Automatic::solve(const ContactProblem& problem, double* P) {
-  return problem.is_sparse() ? solve_components(problem, P) : solve_dense(problem, P);
+  const bool small = !problem.is_sparse() && problem.rows() <= most_dense_rows;
+  return small ? solve_dense(problem, P) : solve_components(problem, P);
 }
 
 SolveReport Automatic::solve_components(const ContactProblem& problem, double* P) {
@@ -65,8 +67,10 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
     part_P_.resize(rows);
     components_.gather(k, P, part_P_.data());
     SolveReport of_part = sparse ? proximal_.solve(part, part_P_.data()) : solve_dense(part, part_P_.data());
-    if (of_part.status != SolveStatus::solved && sparse && rows <= most_last_rows)
+    if (of_part.status != SolveStatus::solved && sparse && (rows <= most_last_rows || !problem.is_sparse())) {
+      report.iterations += of_part.iterations;
       of_part = solve_dense(components_.part(problem, k, false), part_P_.data());
+    }
     components_.scatter(k, part_P_.data(), P);
     report.iterations += of_part.iterations;
     if (of_part.status != SolveStatus::solved) report.status = of_part.status;
@@ -75,7 +79,9 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
   }
   xi_.resize(problem.rows());
   report.certificate = certify(problem, P, xi_.data());
-  if (report.status == SolveStatus::solved && !report.certificate.within(problem.tolerance))
+  if (report.certificate.within(problem.tolerance))
+    report.status = SolveStatus::solved;
+  else if (report.status == SolveStatus::solved)
     report.status = SolveStatus::breakdown;
   return report;
 }

@@ -8,7 +8,15 @@ from numpy.typing import ArrayLike
 
 from saltus.io import Trajectory
 from saltus.shapes import Pose, Shape
-from saltus.typing import FloatArray, IntArray, IntegratorEntry, Matrix, ModelFunction, OptionValue
+from saltus.typing import (
+    FloatArray,
+    IntArray,
+    IntegratorEntry,
+    Matrix,
+    ModelFunction,
+    OptionValue,
+    SparseMatrix,
+)
 
 __version__: str
 
@@ -112,9 +120,9 @@ class LagrangianLinearTIDS(LagrangianDS):
         self,
         q0: ArrayLike,
         v0: ArrayLike,
-        mass: ArrayLike,
-        stiffness: ArrayLike | None = None,
-        damping: ArrayLike | None = None,
+        mass: ArrayLike | SparseMatrix,
+        stiffness: ArrayLike | SparseMatrix | None = None,
+        damping: ArrayLike | SparseMatrix | None = None,
         external_force: ArrayLike | None = None,
     ) -> None: ...
 

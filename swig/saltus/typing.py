@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_array
+    from scipy.sparse import csr_array, sparray, spmatrix
 
     from saltus._core import Tableau
 
 FloatArray = NDArray[np.float64]
 Matrix: TypeAlias = Union[FloatArray, "csr_array"]
+SparseMatrix: TypeAlias = Union["sparray", "spmatrix"]  # any format
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 

@@ -8,8 +8,10 @@
 #include <random>
 
 #include "saltus/kernel/model/distance.hpp"
+#include "saltus/numerics/linear/sparse_factor.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
 #include "slider_crank/slider_crank.hpp"
+#include "support/bar.hpp"
 #include "support/complementarity.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
@@ -178,8 +180,42 @@ TEST_P(NoAllocation, ForceElements) {
   EXPECT_GT(counted.impacts, 5);
 }
 
+// Contact at the end of a bar with sparse matrices.
+TEST_P(NoAllocation, ABarWithSparseMatrices) {
+  const Bar bar{40, 1e-7};
+  const Counted counted =
+      count_in(bar.model(true, 1e-8), *make_scheme(GetParam()), 0.3 / bar.omega(), 2, 1000);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_GT(counted.impacts, 0);
+  EXPECT_GT(counted.closed, 100);
+}
+
 INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
+
+TEST(NoAllocationOf, SparseFactors) {
+  const int n = 400;
+  SparseEntries band(n, n), ring(n, n), skew(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (SparseEntries* A : {&band, &ring, &skew}) A->coeffRef(i, i) = 5.0;
+    for (int k : {1, 2}) {
+      if (i + k < n) band.coeffRef(i, i + k) = band.coeffRef(i + k, i) = -1.0;
+      ring.coeffRef(i, (i + k) % n) = ring.coeffRef((i + k) % n, i) = -1.0;
+    }
+    skew.coeffRef(i, (i + 7) % n) = 2.0;
+  }
+  for (SparseEntries* A : {&band, &ring, &skew}) {
+    A->makeCompressed();
+    SparseFactor factor;
+    ASSERT_TRUE(factor.factorise(*A));
+    Vec x = Vec::Ones(n);
+    allocations = 0;
+    counting = true;
+    factor.solve(x.data());
+    counting = false;
+    EXPECT_EQ(allocations, 0) << static_cast<int>(factor.method());
+  }
+}
 
 TEST(Counting, SeesEveryKindOfAllocation) {
   // If the replacement did not work, the tests above would prove nothing. The volatile pointers keep the

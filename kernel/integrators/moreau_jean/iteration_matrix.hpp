@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/LU>
 #include <memory>
+#include <variant>
 #include <vector>
 
 #include "saltus/kernel/assembly/configuration.hpp"
@@ -24,21 +25,29 @@ class IterationMatrix final : public BlockInverse {
   StepStatus update(double theta, double dt, double t, const Configuration& position, const Vec& q,
                     const Vec& v);
   void solve_block(int block, double* x) const override;
+  long revision() const override { return revision_; }
   /// x <- Ŵ⁻¹ x, x (n)
   void solve(Vec& x) const;
 
  private:
-  struct Block {
+  struct Dense {
     Matrix A;
     Eigen::PartialPivLU<Matrix> lu;
     mutable Vec right, x;  // of a solution: the factorisation cannot work in place
   };
+  struct Sparse {
+    SparseFactor factor;
+  };
+
+  StepStatus make(int block, Dense& dense, double c, double k, const Configuration& position);
+  StepStatus make(int block, Sparse& sparse, double c, double k, const Configuration& position);
 
   std::shared_ptr<const Layout> layout_;
   ForceJacobians jacobians_;
-  std::vector<Block> blocks_;
+  std::vector<std::variant<Dense, Sparse>> blocks_;
   mutable PoolVec gathered_;  // of a block with several systems
   double made_for_ = 0.0;     // Δt of the blocks
+  long revision_ = 0;         // how often one of them was made
 };
 
 }  // namespace saltus

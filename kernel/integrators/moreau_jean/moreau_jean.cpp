@@ -127,8 +127,8 @@ void MoreauJean::commit(double dt, State& state, Reactions& reactions, StepRepor
     return;
   }
   // The change of ½vᵀMv is exactly the work of Λ, h and the change of M, all at the mean velocity
-  const double inertia = end.kinetic_energy(v_) - middle_->kinetic_energy(v_) +
-                         middle_->kinetic_energy(state.v) - start.kinetic_energy(state.v);
+  const double inertia = end.kinetic_energy(v_, true) - middle_->kinetic_energy(v_, true) +
+                         middle_->kinetic_energy(state.v, true) - start.kinetic_energy(state.v, true);
   evaluate_forces(*layout_, state.t + dt, end.q(), v_, h_end_);
   change_ = 0.5 * (v_ + state.v);
   report.work_forces = inertia + dt * (theta_ * h_end_ + (1.0 - theta_) * h_).dot(change_);
