@@ -8,20 +8,20 @@ namespace saltus {
 /// Is a solution P the only one with its velocities ξ = G P + b? A table on four legs has one motion, but no
 /// one distribution of its weight. That there are solutions with other velocities is not asked.
 ///
-/// P + δ is another one where G δ = 0 and δ, small enough, leaves the laws satisfied. Directions in which it
-/// may go are, in contacts that
-///   press (P_N > 0)                 to both sides: the normal, (1, -μ ξ_T/|ξ_T|) in sliding, all rows in
-///   sticking touch without force (ξ_N = 0)   the same to one side stick on the edge of the cone   (1, μ
-///   P_T/|P_T|) to both sides, inwards to one
-/// If G times all of them has full rank, P is the only one; if that of those to both sides has not, it is not
-/// the only one; in between a nonnegative combination decides, a linear complementarity problem. Ranks are
-/// those of a pivoted QR decomposition of G D, scaled by 1/√(d_i d_j), with pivots above 1e-10 of the
-/// largest. Zero is what is below 1e-9 of the terms in G P + b, or a hundred times the problem's tolerance.
+/// P + δ is another one where G δ = 0 and δ, small enough, leaves the laws satisfied. δ may go
+/// - both ways in contacts that press, P_N > 0: all rows where they stick, (1, -μ ξ_T/|ξ_T|) where they slide
+/// - one way in contacts that touch without force, ξ_N = P_N = 0: the same directions
+/// - on the edge of the cone without sliding: both ways along (1, μ P_T/|P_T|), and one way inwards
+///
+/// If G times all of these directions has full rank, P is the only solution; if that of those that go both
+/// ways has not, it is not; in between a nonnegative combination decides, a linear complementarity problem.
+/// Ranks are those of a pivoted QR decomposition of G D, scaled by 1/√(d_i d_j), with pivots above 1e-10 of
+/// the largest. Zero is what is below 1e-9 of the terms in G P + b, or a hundred times the problem's
+/// tolerance.
+///
 /// @param P (rows) [N s], a solution
-/// @return nothing where that is not known: if it depends on curvature, where a contact in space rests
-/// without a
-///         force or on the edge of its cone; with more than 500 directions, or rows times directions beyond
-///         5e5
+/// @return nothing where that is not known: a contact in space decides that rests without a force or on the
+///         edge of its cone, there are more than 500 directions, or rows times directions are beyond 5e5
 std::optional<bool> is_only_solution(const ContactProblem& problem, const double* P);
 
 }  // namespace saltus
