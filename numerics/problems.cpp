@@ -54,10 +54,14 @@ void natural_map(const ContactSet& set, double d, const double* r, Out u) {
   const Vec force = d * In(r, u.size());
   if (law) u[0] += law->mu * norm(u.tail(u.size() - 1));  // De Saxcé
   u = force - u;
+  if (!u.allFinite()) {  // an infinite û would look like one that opens the contact
+    u.setConstant(infinity);
+    return;
+  }
   if (law)
     project_on_cone(law->mu, u);
   else
-    u[0] = std::max(u[0], 0.0) + 0.0 * u[0];  // + NaN: it must not get lost
+    u[0] = std::max(u[0], 0.0);
   u = force - u;
 }
 

@@ -75,6 +75,11 @@ TEST(FrictionResidual, APullIsNotAllowedWithoutFrictionEither) {
 }
 
 TEST(FrictionResidual, LargeFrictionHoldsWhatAHalfSpaceHolds) {
+  // mu |u_T| overflows: an infinite û must not look like one that opens the contact
+  const auto fast =
+      problem_of(Matrix::Identity(2, 2), (Vec(2) << -4e307, 1e308).finished(), {Coulomb{10.0, 2}});
+  const double nothing[2] = {0.0, 0.0};
+  EXPECT_FALSE(friction_residual(fast, nothing) <= 1.0);
   // mu² overflows, û = 0 and r is on the border of the half space r_N >= 0, 1e-160 from the cone
   const ContactProblem problem = problem_of(Matrix::Identity(2, 2), vec({0.0, -1.0}), {Coulomb{1e160, 2}});
   EXPECT_NEAR(friction_residual(problem, vec({0.0, 1.0}).data()), 0.0, 1e-15);

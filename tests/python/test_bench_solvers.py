@@ -165,7 +165,14 @@ def test_misuse_is_one_line_before_anything_is_computed(tmp_path, monkeypatch, a
 
 def test_ctrl_c_ends_the_worker(folder):
     command = [SALTUS, "bench", "solvers", "problems", "--solvers", "own.py:Sleeper", "--time-out", "60"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # what runs in the background ignores Ctrl-C, and so would its children
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
     marker = folder / "sleeper"
     while not (marker.exists() and marker.read_text()):
         assert process.poll() is None
