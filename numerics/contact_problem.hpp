@@ -65,10 +65,8 @@ ContactProblem dense(const ContactProblem& problem);
 /// Has every Coulomb contact the dim 2? Then the laws are piecewise linear.
 bool only_plane_friction(const ContactProblem& problem);
 
-/// @throws std::invalid_argument if the sizes of G, b and the sets disagree, the columns of a sparse row do
-/// not
-///         ascend within G, a set is not a set
-///         (mu < 0, dim not 2 or 3) or a value is not finite
+/// @throws std::invalid_argument if the sizes of G, b and the sets disagree, columns of a sparse row do not
+///         ascend, a set is not a set (mu < 0, dim not 2 or 3) or a value is not finite
 void validate(const ContactProblem& problem);
 
 }  // namespace saltus

@@ -171,7 +171,7 @@ std::optional<bool> is_only_solution(const ContactProblem& problem, const double
   PoolVec xi;
   xi.resize(problem.rows());
   const Certificate certificate = certify(problem, P, xi.data());
-  const double zero = std::max(least_zero, 100.0 * problem.tolerance) * certificate.scale;
+  const double zero = std::max(least_zero * certificate.scale, 100.0 * certificate.residual);
   const Changes changes(problem, P, xi.data(), zero);
   const auto &both = changes.of(Sides::both), &one = changes.of(Sides::one),
              &unclear = changes.of(Sides::unclear);

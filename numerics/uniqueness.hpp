@@ -16,8 +16,8 @@ namespace saltus {
 /// If G times all of these directions has full rank, P is the only solution; if that of those that go both
 /// ways has not, it is not; in between a nonnegative combination decides, a linear complementarity problem.
 /// Ranks are those of a pivoted QR decomposition of G D, scaled by 1/√(d_i d_j), with pivots above 1e-10 of
-/// the largest. Zero is what is below 1e-9 of the terms in G P + b, or a hundred times the problem's
-/// tolerance.
+/// the largest. Zero is what is below 1e-9 of the terms in G P + b, or a hundred times its
+/// residual.
 ///
 /// @param P (rows) [N s], a solution
 /// @return nothing where that is not known: a contact in space decides that rests without a force or on the

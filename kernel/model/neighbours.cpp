@@ -56,8 +56,9 @@ std::vector<std::array<int, 2>> neighbours(const Matrix& centres, const Vec& rad
                                  [&](int k, const Cell& wanted) { return cells[k] < wanted; });
     for (; next != order.end() && cells[*next] == cell; ++next) {
       const int j = *next;
+      if (j <= i) continue;
       const double distance = (centres.row(i) - centres.row(j)).stableNorm() - radii[i] - radii[j];
-      if (i < j && distance <= within) pairs.push_back({i, j});
+      if (distance <= within) pairs.push_back({i, j});
     }
   };
   const int depth = centres.cols() > 2 ? 1 : 0, height = centres.cols() > 1 ? 1 : 0;

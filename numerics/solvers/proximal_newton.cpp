@@ -11,7 +11,7 @@ namespace {
 
 constexpr int most_iterations = 2000;     // of Newton's method, together
 constexpr double most_operations = 3e10;  // of their factorisations: some ten seconds
-constexpr double most_growth = 1e8;       // of the terms in ξ: beyond, there is no solution
+constexpr double most_growth = 1e8;       // of the terms in ξ, while the residual stays
 constexpr int most_of_one = 12;           // for one P₀
 constexpr int few = 4;                    // iterations that let ρ grow
 constexpr double rigid = 1e9;             // ρ, to begin with
@@ -68,6 +68,7 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
   trial_P_.view().setZero();  // where nothing presses, a start shrinks for ever
   if (!report.certificate.within(problem.tolerance))
     keep_if_better(problem, trial_P_.data(), xi_.data(), report, P);
+  const double first_residual = report.certificate.residual;
   const double largest_scale = most_growth * std::max(report.certificate.scale, norm_of_b(problem));
   // Most problems are solved as if contacts were rigid, from a good start or where nothing is in doubt.
   hardness_ = rigid;
@@ -83,7 +84,8 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
       report.status = SolveStatus::breakdown;
       break;
     }
-    if (certify(problem, P_.data(), xi_.data()).scale > largest_scale) {
+    const Certificate reached = certify(problem, P_.data(), xi_.data());
+    if (reached.scale > largest_scale && reached.residual > 0.5 * first_residual) {
       report.status = SolveStatus::breakdown;  // P grows without bound, and ξ stays where it is
       break;
     }

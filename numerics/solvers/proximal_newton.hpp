@@ -11,11 +11,11 @@ namespace saltus {
 /// solution no longer moves exactly where P solves the problem itself. With y = P₀ − (ρ/d) ξ and P(y) its
 /// projections (31)-(32), that is
 ///   F(y) = (d/ρ) (P₀ − y) − b − G P(y) = 0,
-/// which Newton's method with a line search solves; its linear equations, of the closed contacts alone, go to
-/// KLU. The larger ρ, the fewer iterations are left and the harder each becomes: ρ grows as long as Newton's
-/// method succeeds quickly, and shrinks where it does not. At the end the last equations are solved until P
-/// stands still: where contacts depend on each other weakly, a small residual does not make P exact.
-/// Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898.
+/// which Newton's method with a line search solves; its linear equations, of the contacts that stick or
+/// slide, go to KLU. The larger ρ, the fewer iterations are left and the harder each becomes: ρ grows as long
+/// as Newton's method succeeds quickly, and shrinks where it does not. At the end the last equations are
+/// solved until P stands still: where contacts depend on each other weakly, a small residual does not make P
+/// exact. Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898.
 class ProximalNewton final : public ContactSolver {
  public:
   std::string_view name() const override { return "proximal-newton"; }

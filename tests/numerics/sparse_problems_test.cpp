@@ -122,6 +122,16 @@ TEST(SparseProblems, AColumnIsExact) {
   }
 }
 
+// Forces grow with the square of the length: large terms alone are no sign that there is no solution.
+TEST(SparseProblems, ALongColumnThatLands) {
+  const int n = 12000;
+  ContactProblem problem = column(n, 0.0);
+  problem.b.view().setConstant(-1.0);
+  std::vector<double> P(n, 0.0);
+  EXPECT_EQ(make_contact_solver("auto")->solve(problem, P.data()).status, SolveStatus::solved);
+  EXPECT_NEAR(P[0] / (0.5 * n * (n + 1.0)), 1.0, 1e-7);  // P_i = sum of k = 1...n-i over what lies above
+}
+
 struct Family {
   const char* name;
   ProblemKind kind;

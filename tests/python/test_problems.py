@@ -369,3 +369,19 @@ def test_a_problem_keeps_its_own_copy():
 def test_unsolvable_problems_end_soon():
     for n in (30, 100):
         assert numerics.random_lcp("unsolvable", n, 3).solve().status == "ray"
+
+
+def test_a_broken_sparse_matrix_is_refused():
+    broken = sparse.identity(100, format="csr")
+    broken.indptr[3] = 10**8
+    with pytest.raises(ValueError, match=r"M must be a valid sparse matrix: "):
+        numerics.lcp(broken, -np.ones(100))
+    outside = sparse.identity(10, format="csr")
+    outside.indices[0] = 15
+    with pytest.raises(ValueError, match=r"M must be a valid sparse matrix: "):
+        numerics.lcp(outside, -np.ones(10))
+
+
+def test_uniqueness_does_not_depend_on_the_tolerance():
+    for tolerance in (1e-2, 1e-4, 1e-12):
+        assert numerics.lcp([[1, -1], [-1, 1]], [1.01, -1], tolerance=tolerance).unique is True

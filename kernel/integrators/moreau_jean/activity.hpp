@@ -6,7 +6,9 @@
 namespace saltus {
 
 /// The contacts of a Moreau-Jean step: bilateral ones, and those that half a step of free motion would
-/// close, g + ½ Δt γ_N <= 0 (33).
+/// close, g + ½ Δt γ_N <= 0 (33): up to the rounding of g, and to what a hundred steps make of a closed gap
+/// whose velocities are right to the tolerance of the contact problems, 100 Δt tol max_i Σ_j |W_ij v_j|. Else
+/// rounding would decide whether contacts at rest are active.
 /// @param v            (n) at the start
 /// @param[out] gamma   (rows of all contacts) Wᵀv at the start [m/s]
 /// @param[out] active  in ascending order

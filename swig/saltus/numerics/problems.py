@@ -329,6 +329,10 @@ def _matrix(values: Any, name: str) -> Matrix:
     if given.ndim != 2:
         raise ValueError(f"{name} must have two axes, got shape {given.shape}")
     matrix: sparse.csr_array = sparse.csr_array(given.astype(np.float64))
+    try:
+        matrix.check_format(full_check=True)
+    except ValueError as error:
+        raise ValueError(f"{name} must be a valid sparse matrix: {error}") from error
     matrix.sum_duplicates()  # sorts the columns; the sums must be finite too
     if not np.isfinite(matrix.data).all():
         raise ValueError(f"{name} must be finite, got NaN or infinity")
