@@ -100,21 +100,6 @@ TEST(GlobalisedNewton, TheUnitsOfMassAndVelocityDoNotMatter) {
       }
 }
 
-// n equal balls on each other that fall together: P_i = n - i
-ContactProblem column(int n) {
-  ContactProblem problem;
-  problem.sets.assign(n, NonNegative{});
-  problem.b = Vec(Vec::Zero(n));
-  problem.b[0] = -1.0;
-  for (int i = 0; i < n; ++i) {
-    if (i > 0) problem.sparse.add(i - 1, -1.0);
-    problem.sparse.add(i, i == 0 ? 1.0 : 2.0);
-    if (i + 1 < n) problem.sparse.add(i + 1, -1.0);
-    problem.sparse.end_row();
-  }
-  return problem;
-}
-
 TEST(GlobalisedNewton, TakesManySparseRows) {
   // The natural map closes one ball after the other, the other function all at once.
   const struct {
@@ -125,7 +110,7 @@ TEST(GlobalisedNewton, TakesManySparseRows) {
     const auto solver = make_contact_solver(name);
     ASSERT_TRUE(solver->takes_sparse());
     Vec P = Vec::Zero(n);
-    ASSERT_EQ(solver->solve(column(n), P.data()).status, SolveStatus::solved) << name;
+    ASSERT_EQ(solver->solve(column_of_balls(n, 1.0), P.data()).status, SolveStatus::solved) << name;
     for (int i = 0; i < n; ++i) ASSERT_NEAR(P[i], n - i, 1e-6 * n) << name;
   }
 }

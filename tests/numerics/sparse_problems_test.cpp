@@ -18,22 +18,6 @@ std::vector<ContactProblem> some(int count, const ProblemKind& kind) {
   return problems;
 }
 
-// n unit masses on each other on the ground
-ContactProblem column(int n, double weight) {
-  ContactProblem problem;
-  Vec b = Vec::Zero(n);
-  b[0] = -weight;
-  problem.b = b;
-  problem.sets.assign(n, NonNegative{});
-  for (int i = 0; i < n; ++i) {
-    if (i > 0) problem.sparse.add(i - 1, -1.0);
-    problem.sparse.add(i, i == 0 ? 1.0 : 2.0);
-    if (i + 1 < n) problem.sparse.add(i + 1, -1.0);
-    problem.sparse.end_row();
-  }
-  return problem;
-}
-
 TEST(SparseProblems, AreTheSameProblems) {
   for (const ContactProblem& dense : some(200, {.dependent = 1, .moved = 1e-2, .space = 0.3})) {
     const ContactProblem sparse = with_sparse_rows(dense);
@@ -52,7 +36,7 @@ TEST(SparseProblems, AreTheSameProblems) {
 }
 
 TEST(SparseProblems, AreRefusedWhereTheirRowsAreWrong) {
-  const ContactProblem good = column(3, 1.0);
+  const ContactProblem good = column_of_balls(3, 1.0);
   auto refused = [&](auto spoil, const std::vector<std::string>& words) {
     ContactProblem bad = good;
     spoil(bad.sparse);
@@ -112,7 +96,7 @@ TEST(SparseProblems, TheDefaultSolvesManyAtOnce) {
 TEST(SparseProblems, AColumnIsExact) {
   const int n = 3000;
   const double weight = 9.81e-3;
-  const ContactProblem problem = column(n, weight);
+  const ContactProblem problem = column_of_balls(n, weight);
   for (const char* name : {"auto", "proximal-newton"}) {
     std::vector<double> P(n, 0.0);
     const SolveReport report = make_contact_solver(name)->solve(problem, P.data());
@@ -125,7 +109,7 @@ TEST(SparseProblems, AColumnIsExact) {
 // Forces grow with the square of the length: large terms alone are no sign that there is no solution.
 TEST(SparseProblems, ALongColumnThatLands) {
   const int n = 12000;
-  ContactProblem problem = column(n, 0.0);
+  ContactProblem problem = column_of_balls(n, 0.0);
   problem.b.view().setConstant(-1.0);
   std::vector<double> P(n, 0.0);
   EXPECT_EQ(make_contact_solver("auto")->solve(problem, P.data()).status, SolveStatus::solved);

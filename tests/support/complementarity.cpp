@@ -180,4 +180,18 @@ ContactProblem side_by_side(const std::vector<ContactProblem>& problems) {
   return problem_of(G, b, sets);
 }
 
+ContactProblem column_of_balls(int n, double weight) {
+  ContactProblem problem;
+  problem.sets.assign(n, NonNegative{});
+  problem.b = Vec(Vec::Zero(n));
+  problem.b[0] = -weight;
+  for (int i = 0; i < n; ++i) {
+    if (i > 0) problem.sparse.add(i - 1, -1.0);
+    problem.sparse.add(i, i == 0 ? 1.0 : 2.0);
+    if (i + 1 < n) problem.sparse.add(i + 1, -1.0);
+    problem.sparse.end_row();
+  }
+  return problem;
+}
+
 }  // namespace saltus::test

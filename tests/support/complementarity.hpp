@@ -37,6 +37,9 @@ ContactProblem with_sparse_rows(const ContactProblem& problem);
 /// Problems side by side, their contacts taken in turn: one of the first, one of the second, and so on.
 ContactProblem side_by_side(const std::vector<ContactProblem>& problems);
 
+/// n unit masses on each other on the ground that fall together, with sparse rows: P_i = (n - i) weight.
+ContactProblem column_of_balls(int n, double weight);
+
 /// A problem from literal numbers.
 ContactProblem problem_of(const Matrix& G, const Vec& b, std::vector<ContactSet> sets);
 
