@@ -5,7 +5,7 @@
 namespace saltus {
 namespace {
 
-constexpr int most_dense_rows = 64;  // of all contacts: beyond, G has few entries for most models
+constexpr int most_rows_of_dense_G = 64;  // of all contacts: beyond, G has few entries for most models
 
 }  // namespace
 
@@ -14,7 +14,7 @@ ContactStage::ContactStage(std::shared_ptr<const Layout> layout, ContactSolver& 
 
 ContactStage::ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr<const Partition> partition,
                            ContactSolver& solver)
-    : assembly_(layout, std::move(partition), layout->rows > most_dense_rows && solver.takes_sparse()),
+    : assembly_(layout, std::move(partition), layout->rows > most_rows_of_dense_G && solver.takes_sparse()),
       solver_(&solver) {
   // A problem with one contact stands for its law: solvers refuse laws, or too many contacts later.
   for (const auto& contact : layout->contacts) {

@@ -10,7 +10,7 @@ namespace saltus {
 /// @return (n), empty if A is not finite
 Vec largest_eigenvector(const Matrix& A, const Matrix& M);
 /// The same of sparse matrices, by a Lanczos iteration without storage of its vectors: at most 200 products
-/// and solutions, twice. For the 1000 elements of a bar the eigenvalue is then right to 1e-4, and never too
+/// and solutions, twice. For the 1000 elements of a bar the eigenvalue is then right to 1e-3, and never too
 /// large.
 /// @return likewise, also empty if M is not positive definite
 Vec largest_eigenvector(const SparseEntries& A, const SparseEntries& M);

@@ -8,8 +8,8 @@
 
 namespace saltus {
 
-/// Factor of a sparse matrix, by the method that fits its structure. The structure is looked at again only
-/// where it changes; solve() allocates nothing.
+/// Factor of a sparse matrix, by the method that fits its structure. The structure of positive
+/// definite ones is looked at again only where it changes; solve() allocates nothing.
 class SparseFactor {
  public:
   enum class Method {

@@ -38,10 +38,6 @@ int unknowns_of(Mode mode, int rows) {
   return 2;
 }
 
-double norm_of_b(const ContactProblem& problem) {
-  return problem.rows() > 0 ? problem.b.view().cwiseAbs().maxCoeff() : 0.0;
-}
-
 double friction_of(const ContactSet& set) {
   const auto* law = std::get_if<Coulomb>(&set);
   return law ? law->mu : 0.0;
@@ -69,7 +65,8 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
   if (!report.certificate.within(problem.tolerance))
     keep_if_better(problem, trial_P_.data(), xi_.data(), report, P);
   const double first_residual = report.certificate.residual;
-  const double largest_scale = most_growth * std::max(report.certificate.scale, norm_of_b(problem));
+  const double largest_scale =
+      most_growth * std::max(report.certificate.scale, problem.b.view().lpNorm<Eigen::Infinity>());
   // Most problems are solved as if contacts were rigid, from a good start or where nothing is in doubt.
   hardness_ = rigid;
   const double most_work = linear_.work() + most_operations;
@@ -93,7 +90,7 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
       if (iterations > 0) refine(problem, report, P);
       break;
     }
-    if (hardness_ < rigid && explore(problem, report, P)) break;
+    if (hardness_ < rigid && explore(problem, reached.residual, report, P)) break;
     start_ = P_;
     if (iterations <= few) hardness_ = std::min(rigid, growth * hardness_);
   }
@@ -103,9 +100,8 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
 
 // A longer step, and sweeps that find out what contacts do among their neighbours; not taken where they lead
 // away.
-// @return true if that solves the problem
-bool ProximalNewton::explore(const ContactProblem& problem, SolveReport& report, double* P) {
-  const double before = certify(problem, P_.data(), xi_.data()).residual;
+// @param before  residual of P_. @return true if that solves the problem
+bool ProximalNewton::explore(const ContactProblem& problem, double before, SolveReport& report, double* P) {
   trial_P_.view() = start_.view() + relaxation * (P_.view() - start_.view());
   for (int k = 0; k < sweeps; ++k) sweep(problem, trial_P_.data());
   if (keep_if_better(problem, trial_P_.data(), xi_.data(), report, P)) return true;

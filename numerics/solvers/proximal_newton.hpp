@@ -35,7 +35,7 @@ class ProximalNewton final : public ContactSolver {
     int unknown = 0;  // its first among those of the linear equations
   };
 
-  bool explore(const ContactProblem& problem, SolveReport& report, double* P);
+  bool explore(const ContactProblem& problem, double before, SolveReport& report, double* P);
   void read_contacts(const ContactProblem& problem);
   bool solve_compliant(const ContactProblem& problem, double bound, int& iterations);
   double project(const ContactProblem& problem, const PoolVec& y, PoolVec& P);

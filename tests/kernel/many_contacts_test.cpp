@@ -4,6 +4,7 @@
 #include <random>
 
 #include "saltus/kernel/assembly/contact_assembly.hpp"
+#include "saltus/kernel/integrators/moreau_jean/activity.hpp"
 #include "saltus/kernel/model/neighbours.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
@@ -44,6 +45,28 @@ TEST_P(ManyContacts, AColumnCarriesItsWeight) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, ManyContacts, testing::ValuesIn(scheme_names()),
                          [](const auto& test) { return test.param; });
+
+// A closed gap that rounding has opened stays active, and what another body does far away closes no gap.
+TEST(Activity, GoesByTheContactsOwnVelocity) {
+  const auto ball = [](double gap, double velocity) {
+    return std::make_shared<LagrangianLinearTIDS>(vec({gap}), vec({velocity}), Matrix::Identity(1, 1));
+  };
+  const NonSmoothDynamicalSystem::Systems balls = {ball(1e-5, -1e-3), ball(1e3, -1e5),
+                                                   ball(1.0 + 1e-16, 0.0)};
+  NonSmoothDynamicalSystem model(balls);
+  const Matrix H = Matrix::Identity(1, 1);
+  const double floors[] = {0.0, 0.0, -std::nextafter(1.0, 0.0)};  // the last gap is 1.1e-16
+  for (int k = 0; k < 3; ++k)
+    model.link(linear_contact(H, vec({floors[k]}), NewtonImpactNSL(0.0), ""), *balls[k]);
+  const auto layout = std::make_shared<Layout>(model, 1e-4);
+  Configuration start(layout);
+  start.move_to(model.q0());
+  ASSERT_GT(start.gaps()[2], 0.0);
+  Vec gamma = Vec::Zero(3);
+  std::vector<int> active;
+  ASSERT_TRUE(predict_active(*layout, start, model.v0(), 1e-3, gamma, active));
+  EXPECT_EQ(active, std::vector<int>{2});
+}
 
 // Blocks in a row, each with two frictional contacts to the next one and one to the ground
 NonSmoothDynamicalSystem row_of_blocks(int n) {
