@@ -144,12 +144,12 @@ class Comparer {
     const OneStepIntegrator& scheme = *made.candidate.scheme;
     reference_ = sample("reference, " + made.candidate.name, scheme, made.time_step, &times);
     const SampledRun coarser = sample("reference, doubled step", scheme, 2.0 * made.time_step, &times);
-    result_.reference_doubling = compare_runs(coarser, reference_, model_.dimension(), model_.t0());
+    result_.reference_doubling = compare_runs(coarser, reference_, model_.t0());
   }
 
   void fill_rows() {
     for (std::size_t k = 0; k < runs_.size(); ++k)
-      result_.rows[k].figures = compare_runs(runs_[k], reference_, model_.dimension(), model_.t0());
+      result_.rows[k].figures = compare_runs(runs_[k], reference_, model_.t0());
   }
 
   void take_times() {

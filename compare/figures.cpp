@@ -156,7 +156,7 @@ Figures untold() {
 
 }  // namespace
 
-Figures compare_runs(const SampledRun& run, const SampledRun& reference, int freedoms, double start) {
+Figures compare_runs(const SampledRun& run, const SampledRun& reference, double start) {
   const Common rows = common_rows(run, reference, start);
   if (rows.run.empty() && !run.ended.empty()) return untold();
   if (rows.run.empty())
@@ -167,8 +167,10 @@ Figures compare_runs(const SampledRun& run, const SampledRun& reference, int fre
   Figures figures;
   figures.common_times = static_cast<long>(rows.run.size());
   figures.end = run.t[rows.run.back()];
-  const Table q = columns(reference.q, rows.reference, freedoms);
-  const Table difference = columns(run.q, rows.run, freedoms) - q;
+  const auto coordinates = static_cast<int>(reference.q.size() / reference.t.size());
+  const auto freedoms = static_cast<int>(reference.v.size() / reference.t.size());
+  const Table q = columns(reference.q, rows.reference, coordinates);
+  const Table difference = columns(run.q, rows.run, coordinates) - q;
   figures.error_q = scaled_error(difference, q);
   figures.spectral = spectral_norm(difference);
   figures.normalised = figures.spectral / std::sqrt(static_cast<double>(figures.common_times));

@@ -38,6 +38,6 @@ struct Figures {
 /// Compares at the times that both have, as described above.
 /// @param start  t0 [s]
 /// @throws std::invalid_argument if they have no time in common
-Figures compare_runs(const SampledRun& run, const SampledRun& reference, int freedoms, double start);
+Figures compare_runs(const SampledRun& run, const SampledRun& reference, double start);
 
 }  // namespace saltus

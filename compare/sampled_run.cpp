@@ -90,16 +90,19 @@ void Sampler::keep_between(double t) {
   Vec v = a.v;
   if (!now_.impulsive) {
     v = (1.0 - s) * a.v + s * b.v;
-    // Hermite's polynomial: the straight line, and what bends it so that its slopes are v
+    // Hermite's polynomial: the straight line, and what bends it so that its slopes are q̇
     const Vec slope = (b.q - a.q) / dt;
-    q += dt * s * (1.0 - s) * ((1.0 - s) * (a.v - slope) - s * (b.v - slope));
+    Vec start(q.size()), end(q.size());
+    position_rates(layout_, a.q, a.v, start);
+    position_rates(layout_, b.q, b.v, end);
+    q += dt * s * (1.0 - s) * ((1.0 - s) * (start - slope) - s * (end - slope));
   }
   keep(t, q, v, (1.0 - s) * balance(before_) + s * balance(now_),
        (1.0 - s) * before_.kinetic + s * now_.kinetic);
 }
 
 double Sampler::balance(const Row& row) const {
-  const double potential = potential_energy(layout_, row.state.q);
+  const double potential = potential_energy(layout_, row.state.t, row.state.q);
   return row.kinetic - row.work + (std::isfinite(potential) ? potential : 0.0);
 }
 
@@ -134,7 +137,7 @@ SampledRun sample_run(const NonSmoothDynamicalSystem& model, const OneStepIntegr
 
 SampledRun sample_recording(const NonSmoothDynamicalSystem& model, const Recording& recording,
                             double time_step, const std::vector<double>& times) {
-  const long rows = recording.rows(), n = model.dimension();
+  const long rows = recording.rows(), n = model.dimension(), coordinates = model.coordinates();
   long width = 0;
   for (const auto& link : model.links()) width += link.interaction->law().size();
   const auto require = [](const char* what, long wanted, std::size_t got, long all) {
@@ -143,7 +146,8 @@ SampledRun sample_recording(const NonSmoothDynamicalSystem& model, const Recordi
                                 std::to_string(wanted) + " " + what + ", got " +
                                 (all > 0 ? std::to_string(static_cast<long>(got) / all) : "no rows"));
   };
-  require("freedoms", n, recording.q.size(), rows);
+  require("coordinates", coordinates, recording.q.size(), rows);
+  require("freedoms", n, recording.v.size(), rows);
   require("rows of contacts", width, recording.impulse.size(), rows);
   Sampler sampler(model, time_step, &times);
   for (long k = 0; k < rows; ++k) {
@@ -155,7 +159,7 @@ SampledRun sample_recording(const NonSmoothDynamicalSystem& model, const Recordi
     report.kinetic_energy = recording.kinetic_energy[k];
     report.work_lambda = recording.work_lambda[k];
     report.work_impulse = recording.work_impulse[k];
-    const State state{recording.t[k], row_of(recording.q, k, n), row_of(recording.v, k, n)};
+    const State state{recording.t[k], row_of(recording.q, k, coordinates), row_of(recording.v, k, n)};
     sampler.add(recording.step[k], state, row_of(recording.impulse, k, width), report);
   }
   return sampler.finish();

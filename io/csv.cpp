@@ -22,12 +22,14 @@ std::string title(const std::string& name, std::string_view unit) {
 
 std::string numbered(std::string_view name, int k) { return std::string(name) + std::to_string(k); }
 
-std::vector<std::string> titles(int freedoms, const std::vector<ContactWidth>& contacts) {
+std::vector<std::string> titles(int coordinates, int freedoms, const std::vector<ContactWidth>& contacts) {
   std::vector<std::string> all;
   for (const Column& column : run_columns()) {
     if (column.width == Column::Width::one) all.push_back(title(std::string(column.name), column.unit));
-    if (column.width == Column::Width::freedoms)
-      for (int k = 0; k < freedoms; ++k) all.push_back(title(numbered(column.name, k), column.unit));
+    const bool of_q = column.width == Column::Width::coordinates;
+    if (of_q || column.width == Column::Width::freedoms)
+      for (int k = 0; k < (of_q ? coordinates : freedoms); ++k)
+        all.push_back(title(numbered(column.name, k), column.unit));
     if (column.width != Column::Width::gaps && column.width != Column::Width::rows) continue;
     for (const ContactWidth& contact : contacts) {
       const int width = column.width == Column::Width::gaps ? contact.gaps : contact.rows;
@@ -47,9 +49,11 @@ void print(std::string& line, Value value) {
 
 }  // namespace
 
-void write_csv_header(std::ostream& out, int freedoms, const std::vector<ContactWidth>& contacts) {
+void write_csv_header(std::ostream& out, int coordinates, int freedoms,
+                      const std::vector<ContactWidth>& contacts) {
   std::string line;
-  for (const std::string& name : titles(freedoms, contacts)) line += (line.empty() ? "" : ",") + name;
+  for (const std::string& name : titles(coordinates, freedoms, contacts))
+    line += (line.empty() ? "" : ",") + name;
   out << line << line_end;
 }
 
@@ -57,7 +61,7 @@ void write_csv_header(std::ostream& out, const NonSmoothDynamicalSystem& model) 
   std::vector<ContactWidth> contacts;
   for (const auto& link : model.links())
     contacts.push_back({link.name, link.interaction->law().size(), link.interaction->law().gaps});
-  write_csv_header(out, model.dimension(), contacts);
+  write_csv_header(out, model.coordinates(), model.dimension(), contacts);
 }
 
 void write_csv_rows(std::ostream& out, const Recording& rows) {

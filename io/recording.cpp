@@ -77,7 +77,7 @@ const std::vector<Column>& run_columns() {
   static const std::vector<Column> table = {
       {"t", "s", Width::one, &Recording::t},
       {"step", "1", Width::one, &Recording::step},
-      {"q", "m or rad", Width::freedoms, &Recording::q},
+      {"q", "m or rad", Width::coordinates, &Recording::q},
       {"v", "m/s or rad/s", Width::freedoms, &Recording::v},
       {"gap", "m", Width::gaps, &Recording::gaps},
       {"velocity", "m/s", Width::rows, &Recording::velocities},

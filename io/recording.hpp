@@ -34,7 +34,7 @@ class Recording final : public Observer {
   long handed_on() const { return handed_on_; }
 
   std::vector<double> t;                                       ///< (rows) [s]
-  std::vector<double> q, v;                                    ///< (rows, n)
+  std::vector<double> q, v;                                    ///< (rows, coordinates), (rows, n)
   std::vector<double> gaps;                                    ///< (rows, gaps) [m]
   std::vector<double> velocities;                              ///< (rows, contact rows) [m/s]
   std::vector<double> lambda_plus, lambda_minus, force;        ///< likewise [N]
@@ -56,8 +56,8 @@ class Recording final : public Observer {
 
 /// A column of a run: what files call it, and where a recording keeps it.
 struct Column {
-  /// How many values a row has: one, one a freedom, one a gap, or one a row of Wᵀ.
-  enum class Width { one, freedoms, gaps, rows };
+  /// How many values a row has: one, one a coordinate, a freedom, a gap, or a row of Wᵀ.
+  enum class Width { one, coordinates, freedoms, gaps, rows };
   using Values = std::variant<std::vector<double> Recording::*, std::vector<long> Recording::*,
                               std::vector<unsigned char> Recording::*>;
 

@@ -238,9 +238,20 @@ void bind_parts(py::module_& module) {
                               "Everything of a system that depends on the position alone: M, gaps, Wᵀ.")
       .def(py::init<const NonSmoothDynamicalSystem&>(), py::arg("system"))
       .def(
-          "move_to", [](PyConfiguration& self, const ArrayLike& q) { self.move_to(to_vec(q, "q")); },
-          py::arg("q"),
-          "Go to the position q (n,). Raises StepFailure if M is not positive definite or a gap not finite.")
+          "move_to",
+          [](PyConfiguration& self, const ArrayLike& q, std::optional<double> t) {
+            self.move_to(to_vec(q, "q"), t);
+          },
+          py::arg("q"), py::arg("t") = py::none(),
+          "Go to the position q (coordinates,) at the time t, which rheonomous relations need.\n\n"
+          "Raises StepFailure if M is not positive definite or a gap not finite, ValueError without a t that "
+          "is\nneeded.")
+      .def(
+          "rates",
+          [](const PyConfiguration& self, const ArrayLike& v) {
+            return to_array(self.rates(to_vec(v, "v")));
+          },
+          py::arg("v"), "q̇ = Y(q) v (coordinates,), (74)")
       .def_property_readonly("q", [](const PyConfiguration& self) { return to_array(self.get().q()); })
       .def_property_readonly(
           "gaps", [](const PyConfiguration& self) { return to_array(self.get().gaps()); }, "(gaps,) [m]")

@@ -85,14 +85,14 @@ void bind_io(py::module_& module) {
       "The columns of a run, name: unit.");
   module.def(
       "csv_header",
-      [](int freedoms, const std::vector<std::tuple<std::string, int, int>>& contacts) {
+      [](int coordinates, int freedoms, const std::vector<std::tuple<std::string, int, int>>& contacts) {
         std::vector<ContactWidth> widths;
         for (const auto& [name, rows, gaps] : contacts) widths.push_back({name, rows, gaps});
         std::ostringstream text;
-        write_csv_header(text, freedoms, widths);
+        write_csv_header(text, coordinates, freedoms, widths);
         return text.str();
       },
-      py::arg("freedoms"), py::arg("contacts"),
+      py::arg("coordinates"), py::arg("freedoms"), py::arg("contacts"),
       "First line of a run as CSV; contacts are (name, rows, gaps) in their order.");
   module.def(
       "csv_rows",

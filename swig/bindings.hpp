@@ -14,6 +14,8 @@ namespace saltus::python {
 namespace py = pybind11;
 
 void bind_numerics(py::module_& module);
+void bind_models(py::module_& module);
+void bind_bodies(py::module_& module);
 void bind_kernel(py::module_& module);
 void bind_integrators(py::module_& module);
 void bind_io(py::module_& module);
@@ -41,6 +43,12 @@ ContactProblem to_problem(const py::object& G, const ArrayLike& b, const std::ve
 py::object matrix_of(const ContactProblem& problem);
 /// @throws py::type_error if the object's __init__ has not been called: there is no C++ object then
 void require_initialised(py::handle self);
+/// The C++ side of a Python object whose class may have forgotten super().__init__().
+template <class Class>
+const Class& initialised(const py::object& self) {
+  require_initialised(self);
+  return self.cast<const Class&>();
+}
 /// A recording with these columns, as Recording.columns() gives them.
 Recording to_recording(const py::dict& columns);
 /// A new array with these values.

@@ -105,6 +105,8 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = SALTUS_VERSION;
   saltus::python::bind_numerics(module);
   saltus::python::bind_integrators(module);
+  saltus::python::bind_models(module);
+  saltus::python::bind_bodies(module);
   saltus::python::bind_kernel(module);
   saltus::python::bind_io(module);
   saltus::python::bind_compare(module);

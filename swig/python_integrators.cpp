@@ -130,12 +130,14 @@ PyConfiguration::PyConfiguration(const NonSmoothDynamicalSystem& model)
     : model_(std::make_shared<NonSmoothDynamicalSystem>(model)),
       layout_(std::make_shared<Layout>(*model_)),
       configuration_(layout_) {
-  move_to(model_->q0());
+  move_to(model_->q0(), model_->t0());
 }
 
-void PyConfiguration::move_to(const Vec& q) {
-  require_size(q, layout_->n, "q");
-  configuration_.move_to(q);
+void PyConfiguration::move_to(const Vec& q, std::optional<double> t) {
+  require_size(q, layout_->coordinates, "q");
+  if (layout_->rheonomous && !t)
+    throw std::invalid_argument("move_to needs the time, because a relation depends on it, got none");
+  configuration_.move_to(q, t.value_or(model_->t0()));
   if (!configuration_.factorise()) throw StepFailure{StepStatus::mass_not_positive_definite};
   if (!configuration_.finite()) throw StepFailure{StepStatus::gap_not_finite};
 }
@@ -145,6 +147,13 @@ Vec PyConfiguration::forces(double t, const Vec& v) const {
   Vec h(layout_->n);
   evaluate_forces(*layout_, t, configuration_.q(), v, h);
   return h;
+}
+
+Vec PyConfiguration::rates(const Vec& v) const {
+  require_size(v, layout_->n, "v");
+  Vec rate(layout_->coordinates);
+  position_rates(*layout_, configuration_.q(), v, rate);
+  return rate;
 }
 
 Vec PyConfiguration::solve_mass(const Vec& x) const {

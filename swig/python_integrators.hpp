@@ -45,7 +45,9 @@ class PyContactSolver final : public ContactSolver, public py::trampoline_self_l
 class PyConfiguration {
  public:
   explicit PyConfiguration(const NonSmoothDynamicalSystem& model);
-  void move_to(const Vec& q);
+  /// @throws std::invalid_argument without a time, if the geometry depends on it
+  void move_to(const Vec& q, std::optional<double> t);
+  Vec rates(const Vec& v) const;
   Vec forces(double t, const Vec& v) const;
   Vec solve_mass(const Vec& x) const;
   Vec velocities(const Vec& v);

@@ -33,14 +33,16 @@ void CachedArray::get(double* values, const char* method) const {
   std::copy_n(data_, size_, values);
 }
 
-CallArrays::CallArrays(py::ssize_t n, const std::vector<py::ssize_t>& shape)
-    : q({n}, false), v({n}, false), out(shape, true) {}
+CallArrays::CallArrays(py::ssize_t coordinates, py::ssize_t freedoms, const std::vector<py::ssize_t>& shape)
+    : q({coordinates}, false), v({freedoms}, false), out(shape, true) {}
 
-std::unique_ptr<CallArrays> ArrayPool::take(py::ssize_t n, const std::vector<py::ssize_t>& out) {
-  if (free_ && n == n_ && out == out_) return std::move(free_);
-  n_ = n;
+std::unique_ptr<CallArrays> ArrayPool::take(py::ssize_t coordinates, py::ssize_t freedoms,
+                                            const std::vector<py::ssize_t>& out) {
+  if (free_ && coordinates == coordinates_ && freedoms == freedoms_ && out == out_) return std::move(free_);
+  coordinates_ = coordinates;
+  freedoms_ = freedoms;
   out_ = out;
-  return std::make_unique<CallArrays>(n, out);
+  return std::make_unique<CallArrays>(coordinates, freedoms, out);
 }
 
 void CachedMethod::search(PyObject* self, py::handle base) {
@@ -59,22 +61,37 @@ py::object CachedMethod::call(std::initializer_list<PyObject*> arguments) {
   return py::reinterpret_steal<py::object>(result);
 }
 
-void CachedMethod::fill(const double* t, const In& q, const double* v, double* out,
+void CachedMethod::fill(const double* t, const In& q, const In* v, double* out,
                         std::vector<py::ssize_t> shape) {
-  auto arrays = pool_.take(q.size(), shape);
+  auto arrays = pool_.take(q.size(), v ? v->size() : 0, shape);
   arrays->q.set(q.data());
   arrays->out.set_zero();
-  if (v) arrays->v.set(v);
+  if (v) arrays->v.set(v->data());
   PyObject* const Q = arrays->q.object();
   PyObject* const V = arrays->v.object();
   PyObject* const O = arrays->out.object();
   const py::object time = t ? py::float_(*t) : py::object();
-  const py::object result = t ? call({time.ptr(), Q, V, O}) : v ? call({Q, V, O}) : call({Q, O});
+  const py::object result = t && v ? call({time.ptr(), Q, V, O})
+                            : t    ? call({time.ptr(), Q, O})
+                            : v    ? call({Q, V, O})
+                                   : call({Q, O});
   if (!result.is_none())
     throw py::type_error(full_name() + " must write into out and return None, got " +
                          Py_TYPE(result.ptr())->tp_name);
   arrays->out.get(out, name_);
   pool_.give_back(std::move(arrays));
+}
+
+double CachedMethod::number(const In& q) {
+  CachedArray position({q.size()}, false);
+  position.set(q.data());
+  const py::object result = call({position.object()});
+  const double value = PyFloat_AsDouble(result.ptr());
+  if (value == -1.0 && PyErr_Occurred()) {
+    PyErr_Clear();
+    throw py::type_error(full_name() + " must return a number, got " + Py_TYPE(result.ptr())->tp_name);
+  }
+  return value;
 }
 
 std::string CachedMethod::full_name() const { return std::string(Py_TYPE(self_)->tp_name) + "." + name_; }
@@ -107,7 +124,7 @@ void PyLagrangianDS::forces(double t, const In& q, const In& v, Out h) const {
     return FunctionDS::forces(t, q, v, h);
   }
   if (!find(forces_)) forces_.missing("forces(self, t, q, v, out), or give LagrangianDS forces=");
-  forces_.fill(&t, q, v.data(), h.data(), {h.size()});
+  forces_.fill(&t, q, &v, h.data(), {h.size()});
 }
 
 bool PyLagrangianDS::force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq,
@@ -118,7 +135,7 @@ bool PyLagrangianDS::force_jacobians(double t, const In& q, const In& v, OutMatr
   }
   if (!find(force_jacobians_)) return false;
   std::vector<double> both(2 * dh_dq.size());
-  force_jacobians_.fill(&t, q, v.data(), both.data(), {2, dh_dq.rows(), dh_dq.cols()});
+  force_jacobians_.fill(&t, q, &v, both.data(), {2, dh_dq.rows(), dh_dq.cols()});
   std::copy_n(both.data(), dh_dq.size(), dh_dq.data());
   std::copy_n(both.data() + dh_dq.size(), dh_dv.size(), dh_dv.data());
   return true;
@@ -127,16 +144,70 @@ bool PyLagrangianDS::force_jacobians(double t, const In& q, const In& v, OutMatr
 double PyLagrangianDS::potential_energy(const In& q) const {
   if (functions().potential_energy) potential_energy_.forbid(find(potential_energy_));
   if (!find(potential_energy_)) return FunctionDS::potential_energy(q);
-  CachedArray position({q.size()}, false);
-  position.set(q.data());
-  const py::object energy = potential_energy_.call({position.object()});
-  const double value = PyFloat_AsDouble(energy.ptr());
-  if (value == -1.0 && PyErr_Occurred()) {
-    PyErr_Clear();
-    throw py::type_error(potential_energy_.full_name() + " must return a number, got " +
-                         Py_TYPE(energy.ptr())->tp_name);
-  }
-  return value;
+  return potential_energy_.number(q);
+}
+
+bool PyLagrangianDS::has_velocity_map() const {
+  if (!find(velocity_map_)) return false;
+  const Functions& given = functions();
+  if (given.mass || given.forces || given.force_jacobians || given.potential_energy)
+    throw std::invalid_argument(velocity_map_.full_name() +
+                                " takes methods beside it, compiled and C functions are for q̇ = v");
+  return true;
+}
+
+void PyLagrangianDS::position_rate(const In& q, const In& v, Out rate) const {
+  Matrix Y(q.size(), v.size());
+  velocity_map_.fill(nullptr, q, nullptr, Y.data(), {Y.rows(), Y.cols()});
+  rate.noalias() = Y * v;
+}
+
+void PyLagrangianDS::normalise(Out q) const {
+  if (!find(normalise_)) return;
+  const Vec before = q;
+  normalise_.fill(nullptr, {before.data(), before.size()}, nullptr, q.data(), {q.size()});
+}
+
+void PyNewtonEulerDS::loads(double t, const In& q, const In& v, BodyLoads& loads) const {
+  const auto take = [&](CachedMethod& method, Vec3& load) {
+    if (!find(method)) return;
+    method.forbid(!load.isZero(0.0));
+    method.fill(&t, q, &v, load.data(), {3});
+  };
+  take(force_, loads.force);
+  take(moment_, loads.moment);
+  take(body_force_, loads.body_force);
+  take(body_moment_, loads.body_moment);
+}
+
+bool PyNewtonEulerDS::varying_loads() const {
+  return find(force_) || find(moment_) || find(body_force_) || find(body_moment_);
+}
+
+double PyNewtonEulerDS::potential_energy(const In& q) const {
+  return find(potential_energy_) ? potential_energy_.number(q) : NewtonEulerDS::potential_energy(q);
+}
+
+void PyRheonomousRelation::call(CachedMethod& method, double t, const In& q, const In* v, double* out,
+                                std::vector<py::ssize_t> shape, const char* signature) const {
+  if (!find(method)) method.missing(signature);
+  method.fill(&t, q, v, out, std::move(shape));
+}
+
+void PyRheonomousRelation::gap_at(double t, const In& q, Out g) const {
+  call(gap_, t, q, nullptr, g.data(), {g.size()}, "gap(self, t, q, out)");
+}
+
+void PyRheonomousRelation::jacobian_at(double t, const In& q, OutMatrix J) const {
+  call(jacobian_, t, q, nullptr, J.data(), {J.rows(), J.cols()}, "jacobian(self, t, q, out)");
+}
+
+void PyRheonomousRelation::motion_at(double t, const In& q, Out w) const {
+  call(motion_, t, q, nullptr, w.data(), {w.size()}, "motion(self, t, q, out)");
+}
+
+void PyRheonomousRelation::curvature_at(double t, const In& q, const In& v, Out c) const {
+  call(curvature_, t, q, &v, c.data(), {c.size()}, "curvature(self, t, q, v, out)");
 }
 
 void PyRelation::gap(const In& q, Out g) const {
@@ -165,7 +236,7 @@ void PyRelation::curvature(const In& q, const In& v, Out c) const {
     return FunctionRelation::curvature(q, v, c);
   }
   if (!find(curvature_)) curvature_.missing("curvature(self, q, v, out)");
-  curvature_.fill(nullptr, q, v.data(), c.data(), {c.size()});
+  curvature_.fill(nullptr, q, &v, c.data(), {c.size()});
 }
 
 namespace {

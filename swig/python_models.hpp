@@ -1,11 +1,12 @@
 #pragma once
-// Models written in Python: classes that derive from LagrangianDS and LagrangianScleronomousR.
+// Models written in Python: classes that derive from a system or a relation.
 #include <pybind11/trampoline_self_life_support.h>
 
 #include <memory>
 #include <vector>
 
 #include "bindings.hpp"
+#include "saltus/kernel/model/bodies/newton_euler_ds.hpp"
 #include "saltus/kernel/model/force_law.hpp"
 #include "saltus/kernel/model/function_models.hpp"
 
@@ -31,9 +32,9 @@ class CachedArray {
   py::ssize_t size_ = 0;
 };
 
-/// The arrays of one call: positions and velocities (n), and what is written.
+/// The arrays of one call: positions (coordinates), velocities (freedoms), and what is written.
 struct CallArrays {
-  CallArrays(py::ssize_t n, const std::vector<py::ssize_t>& out);
+  CallArrays(py::ssize_t coordinates, py::ssize_t freedoms, const std::vector<py::ssize_t>& out);
   CachedArray q, v, out;
 };
 
@@ -41,12 +42,13 @@ struct CallArrays {
 /// simulation or from threads, and calls with other sizes get arrays of their own.
 class ArrayPool {
  public:
-  std::unique_ptr<CallArrays> take(py::ssize_t n, const std::vector<py::ssize_t>& out);
+  std::unique_ptr<CallArrays> take(py::ssize_t coordinates, py::ssize_t freedoms,
+                                   const std::vector<py::ssize_t>& out);
   void give_back(std::unique_ptr<CallArrays> arrays) { free_ = std::move(arrays); }
 
  private:
   std::unique_ptr<CallArrays> free_;
-  py::ssize_t n_ = -1;
+  py::ssize_t coordinates_ = -1, freedoms_ = -1;
   std::vector<py::ssize_t> out_;
 };
 
@@ -69,7 +71,9 @@ class CachedMethod {
   /// Calls method(self, [t,] q, [v,] out) for a method that writes into `out` and returns None.
   /// @param t, v  nullptr: not among its arguments
   /// @throws py::type_error if something else is returned, py::error_already_set
-  void fill(const double* t, const In& q, const double* v, double* out, std::vector<py::ssize_t> shape);
+  void fill(const double* t, const In& q, const In* v, double* out, std::vector<py::ssize_t> shape);
+  /// Calls method(self, q) for a method that returns a number. @throws py::type_error if it is none
+  double number(const In& q);
   /// @throws std::invalid_argument if the class implements what was also given to its base class
   void forbid(bool found) const;
   /// "Class.method" for messages
@@ -87,7 +91,7 @@ class CachedMethod {
   ArrayPool pool_;
 };
 
-/// Functions where they are given, else the methods of a Python class.
+/// Functions where they are given, else the methods of a Python class. Only those can have a velocity map.
 class PyLagrangianDS final : public FunctionDS, public py::trampoline_self_life_support {
  public:
   PyLagrangianDS(Vec q0, Vec v0, Functions functions, Vec parameters)
@@ -96,12 +100,31 @@ class PyLagrangianDS final : public FunctionDS, public py::trampoline_self_life_
   void forces(double t, const In& q, const In& v, Out h) const override;
   bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const override;
   double potential_energy(const In& q) const override;
+  /// @throws std::invalid_argument if there is one beside functions, whose n would not tell both sizes
+  bool has_velocity_map() const override;
+  void position_rate(const In& q, const In& v, Out rate) const override;
+  void normalise(Out q) const override;
 
  private:
   bool find(CachedMethod& method) const { return method.find<LagrangianDS>(this); }
 
   mutable CachedMethod mass_{"mass"}, forces_{"forces"}, force_jacobians_{"force_jacobians"},
-      potential_energy_{"potential_energy"};
+      potential_energy_{"potential_energy"}, velocity_map_{"velocity_map"}, normalise_{"normalise"};
+};
+
+/// A rigid body whose varying loads are methods of a Python class.
+class PyNewtonEulerDS final : public NewtonEulerDS, public py::trampoline_self_life_support {
+ public:
+  using NewtonEulerDS::NewtonEulerDS;
+  void loads(double t, const In& q, const In& v, BodyLoads& loads) const override;
+  bool varying_loads() const override;
+  double potential_energy(const In& q) const override;
+
+ private:
+  bool find(CachedMethod& method) const { return method.find<NewtonEulerDS>(this); }
+
+  mutable CachedMethod force_{"force"}, moment_{"moment"}, body_force_{"body_force"},
+      body_moment_{"body_moment"}, potential_energy_{"potential_energy"};
 };
 
 /// Functions where they are given, else the methods of a Python class.
@@ -118,6 +141,24 @@ class PyRelation final : public FunctionRelation, public py::trampoline_self_lif
   bool find(CachedMethod& method) const { return method.find<Relation>(this); }
 
   mutable CachedMethod gap_{"gap"}, jacobian_{"jacobian"}, curvature_{"curvature"};
+};
+
+/// A relation that depends on the time, of methods of a Python class.
+class PyRheonomousRelation final : public RheonomousRelation, public py::trampoline_self_life_support {
+ public:
+  using RheonomousRelation::RheonomousRelation;
+  void gap_at(double t, const In& q, Out g) const override;
+  void jacobian_at(double t, const In& q, OutMatrix J) const override;
+  void motion_at(double t, const In& q, Out w) const override;
+  void curvature_at(double t, const In& q, const In& v, Out c) const override;
+  bool has_curvature() const override { return find(curvature_); }
+
+ private:
+  bool find(CachedMethod& method) const { return method.find<RheonomousRelation>(this); }
+  void call(CachedMethod& method, double t, const In& q, const In* v, double* out,
+            std::vector<py::ssize_t> shape, const char* signature) const;
+
+  mutable CachedMethod gap_{"gap"}, jacobian_{"jacobian"}, motion_{"motion"}, curvature_{"curvature"};
 };
 
 /// A force that Python gives: a number, a model function, or a callable of (t, length, rate).

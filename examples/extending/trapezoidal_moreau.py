@@ -26,6 +26,8 @@ class TrapezoidalMoreauOSI(sk.OneStepIntegrator):
 
     def prepare(self, system: sk.NonSmoothDynamicalSystem, solver: ContactSolver) -> None:
         """Make the parts of a step."""
+        if system.coordinates != system.dimension:
+            raise ValueError("TrapezoidalMoreauOSI takes systems with q̇ = v only")
         self.start, self.end = sk.Configuration(system), sk.Configuration(system)
         self.contacts = sk.ContactStage(system, solver)
 
@@ -34,10 +36,10 @@ class TrapezoidalMoreauOSI(sk.OneStepIntegrator):
         report = sk.StepReport()
         q, v = state.q, state.v
         if not np.array_equal(self.start.q, q):
-            self.start.move_to(q)
+            self.start.move_to(q, state.t)
         a = self.start.solve_mass(self.start.forces(state.t, v))
         v1 = v + dt * a
-        self.end.move_to(q + 0.5 * dt * (v + v1))
+        self.end.move_to(q + 0.5 * dt * (v + v1), state.t + dt)
         a1 = self.end.solve_mass(self.end.forces(state.t + dt, v1))
         before = v + 0.5 * dt * (a + a1)
 

@@ -42,7 +42,7 @@ SliderCorner::SliderCorner(double xi, double eta, int size, const SliderCrankPar
   if (size > 2) throw std::invalid_argument("a corner has 1 or 2 rows, got " + std::to_string(size));
 }
 
-void SliderCorner::require_dimension(int n) const { require_three(n); }
+void SliderCorner::require_dimensions(int, int freedoms) const { require_three(freedoms); }
 
 void SliderCorner::gap(const In& q, Out g) const {
   const double y = p_.l1 * std::sin(q[0]) + p_.l2 * std::sin(q[1]);
@@ -73,7 +73,7 @@ void SliderCorner::curvature(const In& q, const In& v, Out c) const {
 
 SliderGuide::SliderGuide(const SliderCrankParameters& parameters) : Relation(2), p_(parameters) {}
 
-void SliderGuide::require_dimension(int n) const { require_three(n); }
+void SliderGuide::require_dimensions(int, int freedoms) const { require_three(freedoms); }
 
 void SliderGuide::gap(const In& q, Out g) const {
   g[0] = p_.l1 * std::sin(q[0]) + p_.l2 * std::sin(q[1]);

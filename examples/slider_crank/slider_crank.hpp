@@ -32,7 +32,7 @@ class SliderCorner final : public Relation {
  public:
   /// @param size  1: normal row; 2: normal and tangential row
   SliderCorner(double xi, double eta, int size, const SliderCrankParameters& parameters);
-  void require_dimension(int n) const override;
+  void require_dimensions(int coordinates, int freedoms) const override;
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;
@@ -47,7 +47,7 @@ class SliderCorner final : public Relation {
 class SliderGuide final : public Relation {
  public:
   explicit SliderGuide(const SliderCrankParameters& parameters);
-  void require_dimension(int n) const override;
+  void require_dimensions(int coordinates, int freedoms) const override;
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;

@@ -23,7 +23,7 @@ void require_factor(const AnyMatrix& M, const std::string& what, Factorise facto
 }  // namespace
 
 Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
-  q_.setZero(layout_->n);
+  q_.setZero(layout_->coordinates);
   gaps_.setZero(layout_->gaps);
   for (Vec* x : {&local_q_, &local_v_}) x->setZero(layout_->largest_contact);
   curvature_.setZero(layout_->most_rows);
@@ -31,6 +31,8 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
   jacobians_.assign(layout_->jacobian_entries, 0.0);
   for (const auto& contact : layout_->contacts) columns_.insert(columns_.end(), contact.rows, {0, contact.n});
   has_jacobian_.assign(layout_->contacts.size(), 0);
+  has_motion_.assign(layout_->contacts.size(), 0);
+  motions_.setZero(layout_->rows);
   closed_.assign(layout_->contacts.size(), 0);
   factors_.resize(layout_->systems.size());
   auto constant = std::make_shared<std::vector<SpdFactor>>(layout_->systems.size());
@@ -48,7 +50,7 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
       continue;
     }
     OutMatrix M(mass_.data() + system.block, system.n, system.n);
-    system.model->mass({q_.data() + system.offset, system.n}, M);
+    system.model->mass({q_.data() + system.first, system.coordinates}, M);
     require_factor(Matrix(M), what, [&](const Matrix& own) {
       return (*constant)[k].factorise_constant({own.data(), system.n, system.n});
     });
@@ -57,20 +59,22 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
   sparse_factors_ = std::move(sparse);
 }
 
-void Configuration::move_without_gaps(const Vec& q) {
+void Configuration::move_without_gaps(const Vec& q, double t) {
   q_ = q;
+  t_ = t;
   factorised_ = !layout_->varying_mass;
   for (std::size_t k = 0; k < has_jacobian_.size(); ++k)
     has_jacobian_[k] = has_jacobian_[k] && layout_->contacts[k].constant_jacobian;
+  if (layout_->rheonomous) std::fill(has_motion_.begin(), has_motion_.end(), 0);
 }
 
-void Configuration::move_to(const Vec& q) {
-  move_without_gaps(q);
+void Configuration::move_to(const Vec& q, double t) {
+  move_without_gaps(q, t);
   gaps_.setZero();
   closed_count_ = 0;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
     const auto& contact = layout_->contacts[k];
-    contact.relation->gap(local(contact, q_, local_q_), {gaps_.data() + contact.gap, contact.gaps});
+    contact.relation->gap_at(t, local_position(contact), {gaps_.data() + contact.gap, contact.gaps});
     if (closed(k)) closed_[closed_count_++] = k;
   }
 }
@@ -82,7 +86,7 @@ bool Configuration::factorise() {
     if (system.constant_mass) continue;
     double* block = mass_.data() + system.block;
     std::fill_n(block, static_cast<std::size_t>(system.n) * system.n, 0.0);
-    system.model->mass({q_.data() + system.offset, system.n}, {block, system.n, system.n});
+    system.model->mass({q_.data() + system.first, system.coordinates}, {block, system.n, system.n});
     if (!factors_[k].factorise({block, system.n, system.n})) return false;
   }
   factorised_ = true;
@@ -146,7 +150,7 @@ void Configuration::evaluate_jacobian(int contact) {
   const auto& slot = layout_->contacts[contact];
   double* J = jacobians_.data() + slot.jacobian;
   std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
-  slot.relation->jacobian(local(slot, q_, local_q_), {J, slot.rows, slot.n});
+  slot.relation->jacobian_at(t_, local_position(slot), {J, slot.rows, slot.n});
   has_jacobian_[contact] = 1;
   if (!slot.constant_jacobian) return;
   for (int i = 0; i < slot.rows; ++i, J += slot.n) {
@@ -171,7 +175,27 @@ void Configuration::for_jacobian(int contact, int row, Function function) {
   }
 }
 
+// w of a contact whose geometry moves, (rows)
+const double* Configuration::motion(int contact) {
+  const auto& slot = layout_->contacts[contact];
+  double* w = motions_.data() + slot.row;
+  if (!has_motion_[contact]) {
+    std::fill_n(w, slot.rows, 0.0);
+    slot.relation->motion_at(t_, local_position(slot), {w, slot.rows});
+    has_motion_[contact] = 1;
+  }
+  return w;
+}
+
 void Configuration::relative_velocity(int contact, const Vec& v, double* gamma) {
+  velocity_of_work(contact, v, gamma);
+  const auto& slot = layout_->contacts[contact];
+  if (!slot.rheonomous) return;
+  const double* w = motion(contact);
+  for (int i = 0; i < slot.rows; ++i) gamma[i] += w[i];
+}
+
+void Configuration::velocity_of_work(int contact, const Vec& v, double* gamma) {
   for (int i = 0; i < layout_->contacts[contact].rows; ++i) {
     double sum = 0.0;
     for_jacobian(contact, i, [&](double entry, int freedom) { sum += entry * v[freedom]; });
@@ -184,19 +208,31 @@ double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a
   for_jacobian(contact, 0, [&](double entry, int freedom) {
     size += std::abs(entry) * (std::abs(v[freedom]) + dt * std::abs(a[freedom]));
   });
+  if (layout_->contacts[contact].rheonomous) size += std::abs(motion(contact)[0]);
   return layout_->tolerance * size;
 }
 
 double Configuration::velocity_tolerance(int contact, const Vec& v) {
   double size = 0.0;
-  for (int row = 0; row < layout_->contacts[contact].rows; ++row)
-    size = std::max(size, term_size(contact, row, v));
+  const auto& slot = layout_->contacts[contact];
+  for (int row = 0; row < slot.rows; ++row) {
+    const double own = slot.rheonomous ? std::abs(motion(contact)[row]) : 0.0;
+    size = std::max(size, own + term_size(contact, row, v));
+  }
   return layout_->tolerance * size;
 }
 
-double Configuration::gap_tolerance(int contact, int row) { return rounding * term_size(contact, row, q_); }
+// Of systems with a velocity map, as if their entries were those of q̇ = v: W has the size of ∂g/∂q, as Y is
+// about 1.
+double Configuration::gap_tolerance(int contact, int row) {
+  if (!layout_->mapped) return rounding * term_size(contact, row, q_);
+  const auto& slot = layout_->contacts[contact];
+  const double* J = jacobian(contact) + static_cast<std::size_t>(row) * slot.n;
+  const double largest = Eigen::Map<const Vec>(J, slot.n).cwiseAbs().maxCoeff();
+  return rounding * largest * local_position(slot).lpNorm<1>();
+}
 
-// Sum of |W_ij x_i| in one row of Wᵀ
+// Sum of |W_ij v_i| in one row of Wᵀ
 double Configuration::term_size(int contact, int row, const Vec& x) {
   double size = 0.0;
   for_jacobian(contact, row, [&](double entry, int freedom) { size += std::abs(entry * x[freedom]); });
@@ -207,8 +243,8 @@ void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& 
   const auto& slot = layout_->contacts[contact];
   relative_velocity(contact, a, gamma_dot);
   curvature_.head(slot.rows).setZero();
-  slot.relation->curvature(local(slot, q_, local_q_), local(slot, v, local_v_),
-                           {curvature_.data(), slot.rows});
+  slot.relation->curvature_at(t_, local_position(slot), layout_->local(slot, v, local_v_.data()),
+                              {curvature_.data(), slot.rows});
   for (int i = 0; i < slot.rows; ++i) gamma_dot[i] += curvature_[i];
 }
 
@@ -222,16 +258,40 @@ double inertia_work(const Configuration& start, const Configuration& end, const 
 void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h) {
   h.setZero();
   for (const auto& system : layout.systems)
-    system.model->forces(t, {q.data() + system.offset, system.n}, {v.data() + system.offset, system.n},
-                         {h.data() + system.offset, system.n});
+    system.model->forces(t, {q.data() + system.first, system.coordinates},
+                         {v.data() + system.offset, system.n}, {h.data() + system.offset, system.n});
   if (!layout.forces.empty()) add_element_forces(layout, t, q, v, h);
 }
 
-double potential_energy(const Layout& layout, const Vec& q) {
-  double energy = layout.forces.empty() ? 0.0 : element_energy(layout, q);
+double potential_energy(const Layout& layout, double t, const Vec& q) {
+  double energy = layout.forces.empty() ? 0.0 : element_energy(layout, t, q);
   for (const auto& system : layout.systems)
-    energy += system.model->potential_energy({q.data() + system.offset, system.n});
+    energy += system.model->potential_energy({q.data() + system.first, system.coordinates});
   return energy;
+}
+
+void position_rates(const Layout& layout, const Vec& q, const Vec& v, Vec& rate) {
+  for (const auto& system : layout.systems) {
+    const In own(v.data() + system.offset, system.n);
+    Out to(rate.data() + system.first, system.coordinates);
+    to.setZero();
+    if (system.mapped)
+      system.model->position_rate({q.data() + system.first, system.coordinates}, own, to);
+    else
+      to = own;
+  }
+}
+
+void advance(const Layout& layout, const Vec& at, const Vec& v, double dt, Vec& rate, Vec& q) {
+  if (!layout.mapped) return add_scaled(dt, v, q);
+  position_rates(layout, at, v, rate);
+  add_scaled(dt, rate, q);
+  normalise(layout, q);
+}
+
+void normalise(const Layout& layout, Vec& q) {
+  for (const auto& system : layout.systems)
+    if (system.mapped) system.model->normalise({q.data() + system.first, system.coordinates});
 }
 
 }  // namespace saltus

@@ -9,18 +9,21 @@
 
 namespace saltus {
 
-/// Everything that depends on the position alone: gaps, M and its factor, Wᵀ. Gaps are evaluated by
-/// move_to(), M by factorise(), the Wᵀ of a contact when it is asked for; each once a position.
+/// Everything that depends on the position alone, and on the time where the geometry moves: gaps, M and its
+/// factor, Wᵀ and w. Gaps are evaluated by move_to(), M by factorise(), Wᵀ and w of a contact when they are
+/// asked for; each once a position.
 class Configuration final : public BlockInverse {
  public:
   /// @throws std::invalid_argument if a constant M is not symmetric positive definite
   explicit Configuration(std::shared_ptr<const Layout> layout);
 
-  /// Moves to the position q (n) and evaluates all gaps.
-  void move_to(const Vec& q);
-  /// As move_to(), where only Wᵀ is wanted.
-  void move_without_gaps(const Vec& q);
+  /// Moves to the position q (coordinates) at the time t [s] and evaluates all gaps.
+  void move_to(const Vec& q, double t);
+  /// As move_to(), where only Wᵀ and w are wanted.
+  void move_without_gaps(const Vec& q, double t);
   const Vec& q() const { return q_; }
+  /// Is this where it is, so that nothing has to be evaluated again?
+  bool is_at(const Vec& q, double t) const { return (!layout_->rheonomous || t == t_) && q == q_; }
 
   /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
   bool factorise();
@@ -63,23 +66,25 @@ class Configuration final : public BlockInverse {
     if (!has_jacobian_[contact]) evaluate_jacobian(contact);
     return jacobians_.data() + layout_->contacts[contact].jacobian;
   }
-  /// γ = Wᵀ v of one contact. @param[out] gamma (rows) [m/s]
+  /// γ = Wᵀ v + w of one contact. @param[out] gamma (rows) [m/s]
   void relative_velocity(int contact, const Vec& v, double* gamma);
+  /// Wᵀ v: what forces of the contact work at, where the geometry moves. @param[out] gamma (rows) [m/s]
+  void velocity_of_work(int contact, const Vec& v, double* gamma);
   /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
   /// terms of size |v| + Δt |a| [m/s]
   double velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt);
   double velocity_tolerance(int contact, const Vec& v);
   /// A gap below this is zero up to the rounding of its terms [m]. @param row  of the contact's gaps
   double gap_tolerance(int contact, int row);
-  /// (dWᵀ/dt) v + Wᵀ a of one contact, (38). @param[out] gamma_dot (rows) [m/s²]
+  /// γ̇ = (dWᵀ/dt) v + Wᵀ a + ẇ of one contact, (38). @param[out] gamma_dot (rows) [m/s²]
   void relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot);
 
  private:
-  /// The part of x (n) that belongs to the contact's systems; gathered into `both` if there are two.
-  In local(const Layout::Contact& contact, const Vec& x, Vec& both) const {
-    return layout_->local(contact, x, both.data());
+  In local_position(const Layout::Contact& contact) {
+    return layout_->local_position(contact, q_, local_q_.data());
   }
   void evaluate_jacobian(int contact);
+  const double* motion(int contact);
   template <class Function>
   void for_jacobian(int contact, int row, Function function);
   double term_size(int contact, int row, const Vec& x);
@@ -100,7 +105,9 @@ class Configuration final : public BlockInverse {
       closed_;  // as many as there are contacts: a copy of a vector keeps its size, not its capacity
   std::size_t closed_count_ = 0;
   std::vector<SpdFactor> factors_;
-  std::vector<unsigned char> has_jacobian_;
+  std::vector<unsigned char> has_jacobian_, has_motion_;
+  Vec motions_;  // w of all contacts
+  double t_ = 0.0;
   bool factorised_ = false;
 };
 
@@ -113,6 +120,15 @@ double inertia_work(const Configuration& start, const Configuration& end, const 
 void evaluate_forces(const Layout& layout, double t, const Vec& q, const Vec& v, Vec& h);
 
 /// Potential energy of all systems and force elements [J], NaN if a system does not know its own
-double potential_energy(const Layout& layout, const Vec& q);
+double potential_energy(const Layout& layout, double t, const Vec& q);
+
+/// q̇ = Y(q) v of all systems, (74). @param[out] rate (coordinates)
+void position_rates(const Layout& layout, const Vec& q, const Vec& v, Vec& rate);
+
+/// q <- q + dt Y(at) v, brought back to what is allowed. @param rate (coordinates) workspace
+void advance(const Layout& layout, const Vec& at, const Vec& v, double dt, Vec& rate, Vec& q);
+
+/// Brings the coordinates of systems with a velocity map back to those that are allowed.
+void normalise(const Layout& layout, Vec& q);
 
 }  // namespace saltus

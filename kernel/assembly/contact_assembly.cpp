@@ -22,6 +22,7 @@ ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout,
   problem_.tolerance = layout_->tolerance;
   problem_.b.reserve(layout_->rows);
   problem_.sets.reserve(layout_->rows);
+  gamma_.resize(layout_->most_rows);
   active_.reserve(layout_->contacts.size());
   first_row_.reserve(layout_->contacts.size());
   touched_.reserve(touching_.size());
@@ -202,15 +203,15 @@ void ContactAssembly::add_restitution(const Vec& gamma) {
   }
 }
 
-double ContactAssembly::work(const PoolVec& P, const Vec& gamma) const {
+double ContactAssembly::work(const PoolVec& P, Configuration& constraint, const Vec& v) {
   double sum = 0.0;
   int row = 0;
   for (int contact : active_) {
-    const auto& slot = layout_->contacts[contact];
-    for (int i = 0; i < slot.rows; ++i, ++row) {
+    constraint.velocity_of_work(contact, v, gamma_.data());
+    for (int i = 0; i < layout_->contacts[contact].rows; ++i, ++row) {
       double jump = 0.0;
       for_row(problem_, row, [&](int j, double entry) { jump += entry * P[j]; });
-      sum += P[row] * (gamma[slot.row + i] + 0.5 * jump);
+      sum += P[row] * (gamma_[i] + 0.5 * jump);
     }
   }
   return sum;

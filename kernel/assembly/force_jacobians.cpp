@@ -1,5 +1,6 @@
 #include "saltus/kernel/assembly/force_jacobians.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -42,8 +43,11 @@ ForceJacobians::ForceJacobians(std::shared_ptr<const Layout> layout)
     if (layout_->systems[k].sparse) sparse_[block] = true;
   }
   int largest = 0;  // of what needs a dense matrix of its own
-  for (const auto& system : layout_->systems)
+  int longest = layout_->largest_force;
+  for (const auto& system : layout_->systems) {
     if (!system.sparse) largest = std::max(largest, system.n);
+    if (!system.sparse) longest = std::max({longest, system.n, system.coordinates});
+  }
   for (std::size_t k = 0; k < layout_->forces.size(); ++k) {
     const int block = partition_->places[layout_->forces[k].system[0]].block;
     forces_[block].push_back(static_cast<int>(k));
@@ -51,7 +55,7 @@ ForceJacobians::ForceJacobians(std::shared_ptr<const Layout> layout)
     if (!layout_->forces[k].element->time_invariant()) time_invariant_[block] = false;
   }
   for (PoolMatrix* A : {&local_dq_, &local_dv_}) A->reserve(largest, largest);
-  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->reserve(std::max(largest, layout_->largest_force));
+  for (PoolVec* x : {&ahead_, &h_, &h_ahead_, &unit_, &direction_}) x->reserve(longest);
   stretch_.resize(3 * layout_->largest_force);
   for (std::size_t block = 0; block < blocks; ++block)
     if (const int n = partition_->sizes[block]; !sparse_[block])
@@ -125,27 +129,22 @@ int ForceJacobians::place(const Layout::Force& force, int freedom) const {
 
 // As add_element(), column by column of what is not zero
 void ForceJacobians::add_element_sparse(const Layout::Force& force, double t, const Vec& q, const Vec& v) {
-  const Stretch state = stretch(*layout_, force, q, v, stretch_.data());
+  const Stretch state = stretch(*layout_, force, t, q, v, stretch_.data());
   const ForceLaw& law = force.element->law();
   const ForceLaw::Slopes slopes = law.slopes(t, state.length, state.rate);
   const In W(state.W, force.n);
   const Relation& relation = force.element->relation();
   const bool turns = !relation.constant_jacobian();
   const double f = turns ? law.force(t, state.length, state.rate) : 0.0;
-  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->resize(force.n);
-  ahead_.view() = state.q;
+  for (PoolVec* x : {&h_, &h_ahead_}) x->resize(force.n);
+  const In local_v = state.v;
   Out column = h_.view(), turned = h_ahead_.view();
   for (int j = 0; j < force.n; ++j) {
     if (W[j] == 0.0 && !turns) continue;
     column = slopes.length * W[j] * W;
     if (turns) {
-      const double step = step_at(state.q[j]);
-      ahead_[j] = state.q[j] + step;
-      turned.setZero();
-      relation.jacobian({ahead_.data(), force.n}, {turned.data(), 1, force.n});
-      turned = (turned - W) / step;
-      column += f * turned + slopes.rate * turned.dot(state.v) * W;
-      ahead_[j] = state.q[j];
+      turn(force, t, state, j);
+      column += f * turned + slopes.rate * turned.dot(local_v) * W;
     }
     for (int i = 0; i < force.n; ++i) {
       if (column[i] != 0.0) dq_entries_.emplace_back(place(force, i), place(force, j), column[i]);
@@ -170,37 +169,79 @@ void ForceJacobians::add_system(int system, double t, const Vec& q, const Vec& v
 void ForceJacobians::evaluate_system(int system, double t, const Vec& q, const Vec& v, PoolMatrix& dh_dq,
                                      PoolMatrix& dh_dv) {
   const auto& slot = layout_->systems[system];
-  const In local_q(q.data() + slot.offset, slot.n), local_v(v.data() + slot.offset, slot.n);
+  const In local_q(q.data() + slot.first, slot.coordinates), local_v(v.data() + slot.offset, slot.n);
   if (!slot.model->force_jacobians(t, local_q, local_v, dh_dq.view(), dh_dv.view()))
-    differentiate(*slot.model, t, local_q, local_v, dh_dq, dh_dv);
+    differentiate(system, t, local_q, local_v, dh_dq, dh_dv);
 }
 
-void ForceJacobians::differentiate(const LagrangianDS& model, double t, const In& q, const In& v,
-                                   PoolMatrix& dh_dq, PoolMatrix& dh_dv) {
-  const int n = static_cast<int>(q.size());
-  for (PoolVec* x : {&ahead_, &h_, &h_ahead_}) x->resize(n);
-  auto forces = [&](const double* at_q, const double* at_v, PoolVec& h) {
+void ForceJacobians::differentiate(int system, double t, const In& q, const In& v, PoolMatrix& dh_dq,
+                                   PoolMatrix& dh_dv) {
+  const auto& slot = layout_->systems[system];
+  const Layout::Sides alone{1, {system, -1}, slot.n, slot.coordinates};
+  for (PoolVec* x : {&h_, &h_ahead_}) x->resize(slot.n);
+  auto forces = [&](const In& at_q, const In& at_v, PoolVec& h) {
     h.view().setZero();
-    model.forces(t, {at_q, n}, {at_v, n}, h.view());
+    slot.model->forces(t, at_q, at_v, h.view());
   };
-  forces(q.data(), v.data(), h_);
-  for (const bool in_q : {true, false}) {
-    const In& x = in_q ? q : v;
-    PoolMatrix& slope = in_q ? dh_dq : dh_dv;
-    ahead_.view() = x;
-    for (int j = 0; j < n; ++j) {
-      const double step = step_at(x[j]);
-      ahead_[j] = x[j] + step;
-      forces(in_q ? ahead_.data() : q.data(), in_q ? v.data() : ahead_.data(), h_ahead_);
-      slope.view().col(j) = (h_ahead_.view() - h_.view()) / step;
-      ahead_[j] = x[j];
-    }
+  forces(q, v, h_);
+  for (int j = 0; j < slot.n; ++j) {
+    const double step = step_ahead(alone, q, j);
+    forces({ahead_.data(), slot.coordinates}, v, h_ahead_);
+    dh_dq.view().col(j) = (h_ahead_.view() - h_.view()) / step;
   }
+  ahead_.resize(slot.n);
+  ahead_.view() = v;
+  for (int j = 0; j < slot.n; ++j) {
+    const double step = step_at(v[j]);
+    ahead_[j] = v[j] + step;
+    forces(q, {ahead_.data(), slot.n}, h_ahead_);
+    dh_dv.view().col(j) = (h_ahead_.view() - h_.view()) / step;
+    ahead_[j] = v[j];
+  }
+}
+
+// ahead_ <- q + s Y e_j for a freedom of these systems. @return s
+double ForceJacobians::step_ahead(const Layout::Sides& part, const In& q, int freedom) {
+  ahead_.resize(part.coordinates);
+  ahead_.view() = q;
+  int first = 0;
+  for (int side = 0;; ++side) {
+    const auto& system = layout_->systems[part.system[side]];
+    if (freedom >= system.n) {
+      freedom -= system.n;
+      first += system.coordinates;
+      continue;
+    }
+    if (!system.mapped) {
+      const double step = step_at(q[first + freedom]);
+      ahead_[first + freedom] += step;
+      return step;
+    }
+    unit_.resize(system.n);
+    unit_.view().setZero();
+    unit_[freedom] = 1.0;
+    direction_.resize(system.coordinates);
+    direction_.view().setZero();
+    const In own(q.data() + first, system.coordinates);
+    system.model->position_rate(own, {unit_.data(), system.n}, direction_.view());
+    const double step = step_at(own.lpNorm<Eigen::Infinity>());
+    ahead_.view().segment(first, system.coordinates) += step * direction_.view();
+    return step;
+  }
+}
+
+// h_ahead_ <- the derivative of W along a freedom of the element
+void ForceJacobians::turn(const Layout::Force& force, double t, const Stretch& state, int freedom) {
+  const double step = step_ahead(force, state.q, freedom);
+  Out turned = h_ahead_.view();
+  turned.setZero();
+  force.element->relation().jacobian_at(t, {ahead_.data(), force.coordinates}, {turned.data(), 1, force.n});
+  turned = (turned - In(state.W, force.n)) / step;
 }
 
 // ∂(W f)/∂v = W f_l̇ Wᵀ; ∂(W f)/∂q = W (f_l Wᵀ + f_l̇ vᵀ∂W/∂q) + f ∂W/∂q
 void ForceJacobians::add_element(const Layout::Force& force, double t, const Vec& q, const Vec& v) {
-  const Stretch state = stretch(*layout_, force, q, v, stretch_.data());
+  const Stretch state = stretch(*layout_, force, t, q, v, stretch_.data());
   const ForceLaw& law = force.element->law();
   const ForceLaw::Slopes slopes = law.slopes(t, state.length, state.rate);
   const In W(state.W, force.n);
@@ -210,17 +251,11 @@ void ForceJacobians::add_element(const Layout::Force& force, double t, const Vec
   const Relation& relation = force.element->relation();
   if (!relation.constant_jacobian()) {
     const double f = law.force(t, state.length, state.rate);
-    for (PoolVec* x : {&ahead_, &h_ahead_}) x->resize(force.n);
-    ahead_.view() = state.q;
-    Out turned = h_ahead_.view();
+    h_ahead_.resize(force.n);
+    const In local_v = state.v;
     for (int j = 0; j < force.n; ++j) {
-      const double step = step_at(state.q[j]);
-      ahead_[j] = state.q[j] + step;
-      turned.setZero();
-      relation.jacobian({ahead_.data(), force.n}, {turned.data(), 1, force.n});
-      turned = (turned - W) / step;
-      local_dq_.view().col(j) += f * turned + slopes.rate * turned.dot(state.v) * W;
-      ahead_[j] = state.q[j];
+      turn(force, t, state, j);
+      local_dq_.view().col(j) += f * h_ahead_.view() + slopes.rate * h_ahead_.view().dot(local_v) * W;
     }
   }
   add(force, local_dq_, dh_dq_);

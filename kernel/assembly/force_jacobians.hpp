@@ -8,7 +8,7 @@
 
 namespace saltus {
 
-/// ∂h/∂q and ∂h/∂v, block by block over systems that force elements couple. What a system does not define,
+/// ∂h/∂q Y and ∂h/∂v, block by block over systems that force elements couple. What a system does not define,
 /// and how the direction W of an element turns, is taken by differences. Blocks with a sparse system are
 /// sparse; an element on one of them whose W turns costs n evaluations of W all the same.
 class ForceJacobians {
@@ -40,8 +40,9 @@ class ForceJacobians {
   void add_system(int system, double t, const Vec& q, const Vec& v);
   void evaluate_system(int system, double t, const Vec& q, const Vec& v, PoolMatrix& dh_dq,
                        PoolMatrix& dh_dv);
-  void differentiate(const LagrangianDS& model, double t, const In& q, const In& v, PoolMatrix& dh_dq,
-                     PoolMatrix& dh_dv);
+  void differentiate(int system, double t, const In& q, const In& v, PoolMatrix& dh_dq, PoolMatrix& dh_dv);
+  double step_ahead(const Layout::Sides& part, const In& q, int freedom);
+  void turn(const Layout::Force& force, double t, const Stretch& state, int freedom);
   void add_element(const Layout::Force& force, double t, const Vec& q, const Vec& v);
   void add(const Layout::Force& force, const PoolMatrix& local, PoolMatrix& all) const;
 
@@ -53,7 +54,7 @@ class ForceJacobians {
   PoolMatrix local_dq_, local_dv_;   // of a system or an element
   Entries dq_entries_, dv_entries_;  // of a sparse block
   int size_ = 0;                     // of that block
-  PoolVec ahead_, h_, h_ahead_, stretch_;
+  PoolVec ahead_, h_, h_ahead_, stretch_, unit_, direction_;
 };
 
 }  // namespace saltus

@@ -12,17 +12,21 @@ namespace saltus {
 struct Layout {
   struct System {
     const LagrangianDS* model;
-    int offset;         ///< of its freedoms in q and v
+    int offset;         ///< of its freedoms in v
     int n;              ///< number of them
+    int first;          ///< of its coordinates in q
+    int coordinates;    ///< number of them
+    bool mapped;        ///< q̇ = Y v with a Y that is not the identity
     std::size_t block;  ///< of its M, row by row, among all blocks of dense M
     bool constant_mass;
     const SparseTerms* sparse;  ///< its M, K, C if they are sparse: there is no dense block then
   };
   /// The systems that something acts on.
   struct Sides {
-    int sides;      ///< one system or two
-    int system[2];  ///< which
-    int n;          ///< freedoms of these together
+    int sides;        ///< one system or two
+    int system[2];    ///< which
+    int n;            ///< freedoms of these together
+    int coordinates;  ///< likewise
   };
   struct Contact : Sides {
     const Relation* relation;
@@ -30,6 +34,7 @@ struct Layout {
     int row;  ///< of its velocities and forces among all rows
     int rows;
     bool constant_jacobian;
+    bool rheonomous;
     int gap;  ///< of its gaps among all gaps
     int gaps;
     std::size_t jacobian;  ///< of its Wᵀ (rows, n), row by row, among all
@@ -40,14 +45,23 @@ struct Layout {
 
   explicit Layout(const NonSmoothDynamicalSystem& model, double tolerance_of_problems = default_tolerance);
 
-  /// The part of x (n) that belongs to these systems; gathered into `both` if there are two.
-  In local(const Sides& part, const Vec& x, double* both) const {
+  /// The part of v (n) that belongs to these systems; gathered into `both` if there are two.
+  In local(const Sides& part, const Vec& v, double* both) const {
     const System& first = systems[part.system[0]];
-    if (part.sides == 1) return {x.data() + first.offset, first.n};
+    if (part.sides == 1) return {v.data() + first.offset, first.n};
     const System& second = systems[part.system[1]];
-    std::copy_n(x.data() + first.offset, first.n, both);
-    std::copy_n(x.data() + second.offset, second.n, both + first.n);
+    std::copy_n(v.data() + first.offset, first.n, both);
+    std::copy_n(v.data() + second.offset, second.n, both + first.n);
     return {both, part.n};
+  }
+  /// The same of q (coordinates).
+  In local_position(const Sides& part, const Vec& q, double* both) const {
+    const System& first = systems[part.system[0]];
+    if (part.sides == 1) return {q.data() + first.first, first.coordinates};
+    const System& second = systems[part.system[1]];
+    std::copy_n(q.data() + first.first, first.coordinates, both);
+    std::copy_n(q.data() + second.first, second.coordinates, both + first.coordinates);
+    return {both, part.coordinates};
   }
 
   std::vector<System> systems;
@@ -55,13 +69,16 @@ struct Layout {
   std::vector<Force> forces;
   double tolerance;  ///< ContactProblem::tolerance
   int n = 0;         ///< freedoms
-  int rows = 0;      ///< rows of all contacts
+  int coordinates = 0;
+  int rows = 0;  ///< rows of all contacts
   int gaps = 0;
-  int largest_contact = 0;        ///< largest n of a contact
-  int largest_force = 0;          ///< largest n of a force element
+  int largest_contact = 0;        ///< most freedoms or coordinates of a contact
+  int largest_force = 0;          ///< most freedoms or coordinates of a force element
   int most_rows = 0;              ///< largest number of rows of a contact
   bool varying_mass = false;      ///< of some system
   bool varying_jacobian = false;  ///< of some contact
+  bool mapped = false;            ///< some system
+  bool rheonomous = false;        ///< some contact
   std::size_t mass_entries = 0;
   std::size_t jacobian_entries = 0;
 

@@ -6,7 +6,8 @@
 namespace saltus {
 namespace {
 
-constexpr int most_iterations = 3;  // from a drift one brings the gaps to rounding
+constexpr int most_iterations = 3;   // from a drift one brings the gaps to rounding
+constexpr int most_dense_gaps = 64;  // beyond, most of them do not share a body
 
 // The same contacts with the rows of their gaps alone, which come first in Wᵀ.
 std::shared_ptr<const Layout> rows_of_gaps(Layout layout) {
@@ -23,22 +24,26 @@ std::shared_ptr<const Layout> rows_of_gaps(Layout layout) {
 PositionProjection::PositionProjection(const std::shared_ptr<const Layout>& layout)
     : layout_(layout),
       gap_rows_(rows_of_gaps(*layout)),
-      assembly_(gap_rows_, one_block_a_system(*layout)),
+      assembly_(gap_rows_, one_block_a_system(*layout), layout->gaps > most_dense_gaps),
       pulled_(layout->contacts.size(), 0),
-      q_(Vec::Zero(layout->n)) {
+      q_(Vec::Zero(layout->coordinates)),
+      rate_(Vec::Zero(layout->coordinates)),
+      change_(Vec::Zero(layout->n)) {
   for (auto* contacts : {&violated_, &bilateral_}) contacts->reserve(layout->contacts.size());
-  dense_.reserve(std::min(layout->gaps, 256));  // beyond, it grows when it is first needed
+  if (layout->gaps <= most_dense_gaps) dense_.reserve(layout->gaps);
+  aim_.reserve(layout->gaps);
 }
 
-void PositionProjection::pull(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse) {
-  iterate(held, at, inverse);
+void PositionProjection::pull(const std::vector<int>& held, Configuration& at, double t,
+                              const BlockInverse& inverse) {
+  iterate(held, at, t, inverse);
   bilateral_.clear();
   for (int k : held)
     if (layout_->contacts[k].law->bilateral) bilateral_.push_back(k);
-  if (bilateral_.size() < held.size()) iterate(bilateral_, at, inverse);  // they come first in a conflict
+  if (bilateral_.size() < held.size()) iterate(bilateral_, at, t, inverse);  // they come first in a conflict
 }
 
-void PositionProjection::iterate(const std::vector<int>& held, Configuration& at,
+void PositionProjection::iterate(const std::vector<int>& held, Configuration& at, double t,
                                  const BlockInverse& inverse) {
   std::fill(pulled_.begin(), pulled_.end(), 0);
   double before = INFINITY;
@@ -47,23 +52,39 @@ void PositionProjection::iterate(const std::vector<int>& held, Configuration& at
     if (largest == 0.0 || largest > 0.5 * before) return;  // nothing left, or nothing to be gained
     before = largest;
     assembly_.assemble(violated_, at, at, inverse);
-    const PoolMatrix& G = assembly_.problem().G;
-    dense_.resize(G.rows());
-    std::copy_n(G.row(0), static_cast<std::size_t>(G.rows()) * G.cols(), dense_.A().row(0));
-    assembly_.gather(at.gaps(), -1.0, dense_.y());
+    assembly_.gather(at.gaps(), -1.0, aim_);
     aim_below_zero(at);
-    dense_.start().view().setZero();
-    q_ = at.q();
-    assembly_.apply(1.0, dense_.solve(), q_);
-    at.move_to(q_);
+    change_.setZero();
+    assembly_.apply(1.0, solve(), change_);
+    position_rates(*layout_, at.q(), change_, rate_);
+    q_ = at.q() + rate_;
+    if (layout_->mapped) normalise(*layout_, q_);
+    at.move_to(q_, t);
   }
+}
+
+// (Wᵀ M⁻¹ W)⁺ of the aim
+const double* PositionProjection::solve() {
+  const ContactProblem& problem = assembly_.problem();
+  const int rows = problem.rows();
+  if (problem.is_sparse()) {
+    sparse_.A() = problem.sparse;
+    sparse_.y().assign(aim_.data(), aim_.data() + rows);
+    if (const double* x = sparse_.solve()) return x;
+  }
+  dense_.resize(rows);  // constraints that depend on each other: the solution of minimum norm
+  dense_.A().view().setZero();
+  for (int i = 0; i < rows; ++i) for_row(problem, i, [&](int j, double entry) { dense_.A()(i, j) = entry; });
+  dense_.y().view() = aim_.view();
+  dense_.start().view().setZero();
+  return dense_.solve();
 }
 
 // Unilateral contacts must be closed after it, g <= 0, in spite of rounding.
 void PositionProjection::aim_below_zero(Configuration& at) {
   int row = 0;
   for (int k : violated_) {
-    if (!layout_->contacts[k].law->bilateral) dense_.y()[row] -= at.gap_tolerance(k, 0);
+    if (!layout_->contacts[k].law->bilateral) aim_[row] -= at.gap_tolerance(k, 0);
     row += layout_->contacts[k].gaps;
   }
 }

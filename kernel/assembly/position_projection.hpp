@@ -4,11 +4,12 @@
 
 #include "saltus/kernel/assembly/contact_assembly.hpp"
 #include "saltus/numerics/linear/dense_solve.hpp"
+#include "saltus/numerics/linear/sparse_solve.hpp"
 
 namespace saltus {
 
 /// Pulls positions back onto constraints from which they have drifted, along the shortest way in the metric
-/// of the mass:  q <- q + M⁻¹ W (Wᵀ M⁻¹ W)⁺ (−g),  Newton's iteration. Bilateral constraints are pulled to
+/// of the mass:  q <- q + Y M⁻¹ W (Wᵀ M⁻¹ W)⁺ (−g),  Newton's iteration. Bilateral constraints are pulled to
 /// g = 0, unilateral contacts only if they are open: a penetration is what keeps a contact closed, and
 /// pulling it out would move the error with which the contact was met.
 class PositionProjection {
@@ -18,19 +19,23 @@ class PositionProjection {
   /// @param held     contacts that may be pulled, in ascending order
   /// @param at       moved to the new position
   /// @param inverse  of M, which is not taken anew while the position moves
-  void pull(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse);
+  /// @param t        time of the geometry [s]
+  void pull(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse);
 
  private:
-  void iterate(const std::vector<int>& held, Configuration& at, const BlockInverse& inverse);
+  void iterate(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse);
   void aim_below_zero(Configuration& at);
   double take_violated(const std::vector<int>& held, Configuration& at);
+  const double* solve();
 
   std::shared_ptr<const Layout> layout_, gap_rows_;
   ContactAssembly assembly_;  // of the rows of gaps
   DenseSolve dense_;
+  SparseSolve sparse_;  // where there are many gaps
+  PoolVec aim_;         // what the gaps are to change by
   std::vector<int> violated_, bilateral_;
   std::vector<unsigned char> pulled_;  // contacts, once they were violated
-  Vec q_;
+  Vec q_, rate_, change_;
 };
 
 }  // namespace saltus

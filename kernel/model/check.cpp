@@ -18,28 +18,70 @@ constexpr double broken = std::numeric_limits<double>::infinity();
 In view(const Vec& x) { return {x.data(), x.size()}; }
 
 Matrix mass_at(const LagrangianDS& system, const Vec& q) {
-  Matrix M = Matrix::Zero(q.size(), q.size());
+  Matrix M = Matrix::Zero(system.dimension(), system.dimension());
   system.mass(view(q), {M.data(), M.rows(), M.cols()});
   return M;
 }
 
 Vec forces_at(const LagrangianDS& system, double t, const Vec& q, const Vec& v) {
-  Vec h = Vec::Zero(q.size());
+  Vec h = Vec::Zero(v.size());
   system.forces(t, view(q), view(v), {h.data(), h.size()});
   return h;
 }
 
-Vec gap_at(const Relation& relation, int gaps, const Vec& q) {
+Vec gap_at(const Relation& relation, int gaps, double t, const Vec& q) {
   Vec g = Vec::Zero(gaps);
-  relation.gap(view(q), {g.data(), g.size()});
+  relation.gap_at(t, view(q), {g.data(), g.size()});
   return g;
 }
 
-Matrix jacobian_at(const Relation& relation, const Vec& q) {
-  Matrix J = Matrix::Zero(relation.size(), q.size());
-  relation.jacobian(view(q), {J.data(), J.rows(), J.cols()});
+Matrix jacobian_at(const Relation& relation, Eigen::Index freedoms, double t, const Vec& q) {
+  Matrix J = Matrix::Zero(relation.size(), freedoms);
+  relation.jacobian_at(t, view(q), {J.data(), J.rows(), J.cols()});
   return J;
 }
+
+Vec motion_at(const Relation& relation, double t, const Vec& q) {
+  Vec w = Vec::Zero(relation.size());
+  relation.motion_at(t, view(q), {w.data(), w.size()});
+  return w;
+}
+
+// q̇ = Y(q) v
+Vec rate_at(const LagrangianDS& system, const Vec& q, const Vec& v) {
+  if (!system.has_velocity_map()) return v;
+  Vec rate = Vec::Zero(q.size());
+  system.position_rate(view(q), view(v), {rate.data(), rate.size()});
+  return rate;
+}
+
+// The one or two systems that something acts on, at the initial state
+struct Place {
+  const LagrangianDS& first;
+  const LagrangianDS* second;
+  double t0;
+  Vec q, v;
+
+  Place(const NonSmoothDynamicalSystem& model, const NonSmoothDynamicalSystem::Ends& ends)
+      : first(*model.systems()[ends.first]),
+        second(ends.second < 0 ? nullptr : model.systems()[ends.second].get()),
+        t0(model.t0()),
+        q(joined(first.q0(), second ? second->q0() : Vec())),
+        v(joined(first.v0(), second ? second->v0() : Vec())) {}
+
+  Vec rate(const Vec& at, const Vec& velocity) const {
+    const Vec left = rate_at(first, at.head(first.coordinates()), velocity.head(first.dimension()));
+    if (!second) return left;
+    return joined(left, rate_at(*second, at.tail(second->coordinates()), velocity.tail(second->dimension())));
+  }
+
+ private:
+  static Vec joined(const Vec& a, const Vec& b) {
+    Vec both(a.size() + b.size());
+    both << a, b;
+    return both;
+  }
+};
 
 // A derivative by central differences, and what it may be wrong by.
 struct Difference {
@@ -57,18 +99,29 @@ Difference slope(Function f, const Vec& x, const Vec& direction, double step) {
   return {fine, 2 * (fine - coarse).cwiseAbs().maxCoeff() + 16 * eps * size / step};
 }
 
-// Column j is the derivative of f along freedom j.
-template <class Function>
-Difference gradient(Function f, const Vec& q) {
+// Column j is the derivative of f along freedom j, in which q̇ = rate(unit vector).
+template <class Function, class Rate>
+Difference gradient(Function f, const Vec& q, Eigen::Index freedoms, Rate rate) {
   Difference all;
-  for (Eigen::Index j = 0; j < q.size(); ++j) {
-    const double step = relative_step * std::max(1.0, std::abs(q[j]));
-    const Difference column = slope(f, q, Vec::Unit(q.size(), j), step);
-    if (j == 0) all.value.resize(column.value.size(), q.size());
+  for (Eigen::Index j = 0; j < freedoms; ++j) {
+    const Vec direction = rate(Vec(Vec::Unit(freedoms, j)));
+    const double step = relative_step * std::max(1.0, q.cwiseProduct(direction).cwiseAbs().maxCoeff());
+    const Difference column = slope(f, q, direction, step);
+    if (j == 0) all.value.resize(column.value.size(), freedoms);
     all.value.col(j) = column.value;
     all.error = std::max(all.error, column.error);
   }
   return all;
+}
+
+template <class Function>
+Difference gradient(Function f, const LagrangianDS& system, const Vec& q) {
+  return gradient(f, q, system.dimension(), [&](const Vec& v) { return rate_at(system, q, v); });
+}
+
+template <class Function>
+Difference gradient(Function f, const Place& place) {
+  return gradient(f, place.q, place.v.size(), [&](const Vec& v) { return place.rate(place.q, v); });
 }
 
 CheckItem compare(const std::string& subject, const std::string& quantity, const Matrix& got,
@@ -98,8 +151,8 @@ std::string text(const char* label, const Vec& values) {
 Difference gyroscopic(const LagrangianDS& system, const Vec& q, const Vec& v) {
   const double step = relative_step * std::max(1.0, q.cwiseAbs().maxCoeff()) / v.cwiseAbs().maxCoeff();
   const Difference rate = slope([&](const Vec& x) { return Vec(mass_at(system, x) * v); }, q, v, step);
-  const Difference energy =
-      gradient([&](const Vec& x) { return Vec(Vec::Constant(1, 0.5 * v.dot(mass_at(system, x) * v))); }, q);
+  const Difference energy = gradient(
+      [&](const Vec& x) { return Vec(Vec::Constant(1, 0.5 * v.dot(mass_at(system, x) * v))); }, system, q);
   return {energy.value.transpose() - rate.value, rate.error + energy.error};
 }
 
@@ -117,7 +170,7 @@ CheckItem check_potential_along(const LagrangianDS& system, double t0, const Vec
   const Vec& q = system.q0();
   const double step = relative_step * std::max(1.0, q.cwiseAbs().maxCoeff());
   auto potential = [&](const Vec& x) { return Vec(Vec::Constant(1, -system.potential_energy(view(x)))); };
-  const Vec power = Vec::Constant(1, forces_at(system, t0, q, Vec::Zero(q.size())).dot(v));
+  const Vec power = Vec::Constant(1, forces_at(system, t0, q, Vec::Zero(v.size())).dot(v));
   CheckItem item = compare(who, "forces against potential_energy", power, slope(potential, q, v, step),
                            "power of h at v = 0 along one direction; forces without potential are no error");
   item.advisory = true;
@@ -143,19 +196,20 @@ void check_system(const LagrangianDS& system, double t0, const std::string& who,
   items.push_back({who, "mass positive definite", lowest > 0.0 ? 0.0 : broken, 0.0,
                    text("smallest eigenvalue", Vec::Constant(1, lowest)), false});
   const Vec v = test_velocity(system.v0());
-  const Vec rest = forces_at(system, t0, q, Vec::Zero(q.size()));
+  const Vec rest = forces_at(system, t0, q, Vec::Zero(v.size()));
   const Vec ahead = forces_at(system, t0, q, v), back = forces_at(system, t0, q, -v);
   items.push_back(
       {who, "forces finite", ahead.allFinite() && back.allFinite() ? 0.0 : broken, 0.0, "", false});
-  if (!system.constant_mass()) {
+  if (!system.constant_mass() &&
+      !system.has_velocity_map()) {  // there the terms are those of Boltzmann, Hamel
     Difference demanded = gyroscopic(system, q, v);
     demanded.error += 16 * eps * std::max(ahead.cwiseAbs().maxCoeff(), rest.cwiseAbs().maxCoeff());
     items.push_back(compare(who, "velocity-dependent forces against mass", 0.5 * (ahead + back) - rest,
                             demanded, "part of h that is even in v"));
   }
   if (std::isnan(system.potential_energy(view(q)))) return;
-  Difference potential =
-      gradient([&](const Vec& x) { return Vec(Vec::Constant(1, system.potential_energy(view(x)))); }, q);
+  Difference potential = gradient(
+      [&](const Vec& x) { return Vec(Vec::Constant(1, system.potential_energy(view(x)))); }, system, q);
   potential.value = -potential.value.transpose().eval();
   CheckItem item = compare(who, "forces against potential_energy", rest, potential,
                            "h at v = 0; forces without potential are no error");
@@ -163,15 +217,41 @@ void check_system(const LagrangianDS& system, double t0, const std::string& who,
   items.push_back(item);
 }
 
-void check_interaction(const Relation& relation, const NonSmoothLaw& law, const Vec& q, const Vec& v,
+// d/dt (Wᵀ v + w) at constant v, along q̇ = Y v
+void check_curvature(const Relation& relation, const Place& place, const std::string& who,
+                     std::vector<CheckItem>& items) {
+  const Vec v = test_velocity(place.v);
+  const double step = relative_step * std::max(1.0, place.q.cwiseAbs().maxCoeff());
+  Vec c = Vec::Zero(relation.size());
+  relation.curvature_at(place.t0, view(place.q), view(v), {c.data(), c.size()});
+  Vec state(place.q.size() + 1), direction(place.q.size() + 1);
+  state << place.q, place.t0;
+  direction << place.rate(place.q, v), 1.0;
+  const auto velocity = [&](const Vec& x) {
+    const Vec q = x.head(place.q.size());
+    const double t = x[place.q.size()];
+    return Vec(jacobian_at(relation, v.size(), t, q) * v + motion_at(relation, t, q));
+  };
+  items.push_back(compare(who, "curvature against jacobian", c, slope(velocity, state, direction, step)));
+}
+
+void check_interaction(const Relation& relation, const NonSmoothLaw& law, const Place& place,
                        const std::string& who, std::vector<CheckItem>& items) {
-  const Matrix J = jacobian_at(relation, q);
-  const Vec g = gap_at(relation, law.gaps, q);
-  const Vec velocity = J * v;
+  const Vec &q = place.q, &v = place.v;
+  const double t0 = place.t0;
+  const Matrix J = jacobian_at(relation, v.size(), t0, q);
+  const Vec g = gap_at(relation, law.gaps, t0, q), w = motion_at(relation, t0, q);
+  const Vec velocity = J * v + w;
   items.push_back(compare(who, "jacobian against gap", J.topRows(law.gaps),
-                          gradient([&](const Vec& x) { return gap_at(relation, law.gaps, x); }, q),
+                          gradient([&](const Vec& x) { return gap_at(relation, law.gaps, t0, x); }, place),
                           text("gap at t0 [m]:", g) + text(", velocity [m/s]:", velocity)));
   items.push_back({who, "jacobian finite", J.allFinite() ? 0.0 : broken, 0.0, "", false});
+  const Vec t = Vec::Constant(1, t0), ahead = Vec::Ones(1);
+  const double instant = relative_step * std::max(1.0, std::abs(t0));
+  if (relation.rheonomous())
+    items.push_back(compare(
+        who, "motion against gap", w.head(law.gaps),
+        slope([&](const Vec& time) { return gap_at(relation, law.gaps, time[0], q); }, t, ahead, instant)));
   if (law.bilateral) {
     const double length = std::max(1.0, q.cwiseAbs().maxCoeff());
     const double speed = std::max(1.0, v.cwiseAbs().maxCoeff());
@@ -180,38 +260,22 @@ void check_interaction(const Relation& relation, const NonSmoothLaw& law, const 
     items.push_back({who, "bilateral velocity at t0", velocity.cwiseAbs().maxCoeff(),
                      relative_tolerance * speed, text("velocity [m/s]:", velocity), false});
   }
-  if (!relation.has_curvature()) return;
-  const Vec w = test_velocity(v);
-  const double step = relative_step * std::max(1.0, q.cwiseAbs().maxCoeff());
-  Vec c = Vec::Zero(relation.size());
-  relation.curvature(view(q), view(w), {c.data(), c.size()});
-  items.push_back(
-      compare(who, "curvature against jacobian", c,
-              slope([&](const Vec& x) { return Vec(jacobian_at(relation, x) * w); }, q, w, step)));
+  if (relation.has_curvature()) check_curvature(relation, place, who, items);
 }
 
-void check_element(const ForceElement& element, double t0, const Vec& q, const Vec& v, const std::string& who,
+void check_element(const ForceElement& element, const Place& place, const std::string& who,
                    std::vector<CheckItem>& items) {
   const Relation& relation = element.relation();
-  const Matrix J = jacobian_at(relation, q);
-  const double length = gap_at(relation, 1, q)[0], rate = J.row(0).dot(v);
-  const double force = element.law().force(t0, length, rate);
+  const Matrix J = jacobian_at(relation, place.v.size(), place.t0, place.q);
+  const double length = gap_at(relation, 1, place.t0, place.q)[0];
+  const double rate = J.row(0).dot(place.v) + motion_at(relation, place.t0, place.q)[0];
+  const double force = element.law().force(place.t0, length, rate);
   const std::string note =
       text("length at t0 [m]:", Vec::Constant(1, length)) + text(", force [N]:", Vec::Constant(1, force));
   items.push_back(compare(who, "jacobian against length", J,
-                          gradient([&](const Vec& x) { return gap_at(relation, 1, x); }, q), note));
+                          gradient([&](const Vec& x) { return gap_at(relation, 1, place.t0, x); }, place),
+                          note));
   items.push_back({who, "force finite", std::isfinite(force) ? 0.0 : broken, 0.0, "", false});
-}
-
-// Positions, or velocities, of the one or two systems that something acts on
-template <class Part>
-Vec joined(const NonSmoothDynamicalSystem& model, const NonSmoothDynamicalSystem::Ends& ends, Part part) {
-  const Vec first = part(*model.systems()[ends.first]);
-  if (ends.second < 0) return first;
-  const Vec second = part(*model.systems()[ends.second]);
-  Vec both(first.size() + second.size());
-  both << first, second;
-  return both;
 }
 
 }  // namespace
@@ -221,14 +285,11 @@ std::vector<CheckItem> check(const NonSmoothDynamicalSystem& model) {
   for (std::size_t k = 0; k < model.systems().size(); ++k)
     (model.systems()[k]->sparse_terms() ? check_sparse_system : check_system)(
         *model.systems()[k], model.t0(), "system " + std::to_string(k), items);
-  const auto q0 = [](const LagrangianDS& system) { return system.q0(); };
-  const auto v0 = [](const LagrangianDS& system) { return system.v0(); };
   for (const auto& link : model.links())
-    check_interaction(link.interaction->relation(), link.interaction->law(), joined(model, link, q0),
-                      joined(model, link, v0), link.name, items);
+    check_interaction(link.interaction->relation(), link.interaction->law(), Place(model, link), link.name,
+                      items);
   for (const auto& force : model.forces())
-    check_element(*force.element, model.t0(), joined(model, force, q0), joined(model, force, v0), force.name,
-                  items);
+    check_element(*force.element, Place(model, force), force.name, items);
   return items;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "saltus/kernel/model/requirements.hpp"
 #include "saltus/numerics/text.hpp"
 
 namespace saltus {
@@ -27,11 +28,8 @@ Distance::Distance(Matrix H, Vec b, double length)
   if (!std::isfinite(length)) throw std::invalid_argument("length must be finite, got " + number(length));
 }
 
-void Distance::require_dimension(int n) const {
-  if (H_.cols() != n)
-    throw std::invalid_argument("H must have " + std::to_string(n) +
-                                " columns as the linked systems have freedoms, got " +
-                                std::to_string(H_.cols()));
+void Distance::require_dimensions(int coordinates, int freedoms) const {
+  require_columns(H_, coordinates, freedoms);
 }
 
 void Distance::gap(const In& q, Out g) const {

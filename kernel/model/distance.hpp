@@ -13,7 +13,7 @@ class Distance final : public Relation {
   /// @param length  of a rod, or the sum of the radii [m]
   /// @throws std::invalid_argument if shapes disagree or a value is not finite
   Distance(Matrix H, Vec b, double length = 0.0);
-  void require_dimension(int n) const override;
+  void require_dimensions(int coordinates, int freedoms) const override;
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   /// (|H v|² − ġ²) / |H q + b|

@@ -9,7 +9,7 @@
 namespace saltus {
 
 FunctionDS::FunctionDS(Incomplete, Vec q0, Vec v0, Functions functions, Vec parameters)
-    : LagrangianDS(std::move(q0), std::move(v0)),
+    : LagrangianDS(WithVelocityMap{}, std::move(q0), std::move(v0)),
       functions_(std::move(functions)),
       arguments_(std::move(parameters)) {
   if (functions_.constant_mass) require_mass(*functions_.constant_mass, dimension(), "mass");
@@ -19,6 +19,9 @@ FunctionDS::FunctionDS(Incomplete, Vec q0, Vec v0, Functions functions, Vec para
 
 FunctionDS::FunctionDS(Vec q0, Vec v0, Functions functions, Vec parameters)
     : FunctionDS(Incomplete{}, std::move(q0), std::move(v0), std::move(functions), std::move(parameters)) {
+  if (coordinates() != dimension())
+    throw std::invalid_argument("v0 must have " + std::to_string(coordinates()) + " entries as q0 has, got " +
+                                std::to_string(dimension()));
   if (!functions_.forces) throw std::invalid_argument("forces must be a function, got none");
   if (!functions_.mass && !functions_.constant_mass)
     throw std::invalid_argument("mass must be a function or constant, got none");
@@ -59,6 +62,15 @@ FunctionRelation::FunctionRelation(int size, Functions functions, Vec parameters
     : FunctionRelation(Incomplete{}, size, std::move(functions), std::move(parameters)) {
   if (!functions_.gap) throw std::invalid_argument("gap must be a function, got none");
   if (!functions_.jacobian) throw std::invalid_argument("jacobian must be a function, got none");
+}
+
+void FunctionRelation::require_dimensions(int coordinates, int freedoms) const {
+  const bool functions = functions_.gap || functions_.jacobian || functions_.curvature;
+  if (functions && coordinates != freedoms)
+    throw std::invalid_argument(
+        "compiled and C functions of a relation take systems with as many coordinates "
+        "as freedoms, got " +
+        std::to_string(coordinates) + " and " + std::to_string(freedoms));
 }
 
 void FunctionRelation::gap(const In& q, Out g) const { arguments_.call(functions_.gap, q, g.data()); }

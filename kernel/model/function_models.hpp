@@ -9,7 +9,7 @@
 
 namespace saltus {
 
-/// A mechanical system made of functions.
+/// A mechanical system made of functions, with q̇ = v.
 class FunctionDS : public LagrangianDS {
  public:
   struct Functions {
@@ -21,8 +21,8 @@ class FunctionDS : public LagrangianDS {
   };
 
   /// @param parameters  handed on to every function
-  /// @throws std::invalid_argument if forces or mass are missing, both a function and a constant mass are
-  /// given,
+  /// @throws std::invalid_argument if sizes differ, forces or mass are missing, both a function and a
+  /// constant mass are given,
   ///         or the constant mass is not symmetric positive definite
   FunctionDS(Vec q0, Vec v0, Functions functions, Vec parameters = {});
 
@@ -33,7 +33,7 @@ class FunctionDS : public LagrangianDS {
   double potential_energy(const In& q) const override;
 
  protected:
-  /// For derived classes that bring the missing functions as overrides.
+  /// For derived classes that bring the missing functions as overrides, also of a velocity map.
   struct Incomplete {};
   FunctionDS(Incomplete, Vec q0, Vec v0, Functions functions, Vec parameters);
   const Functions& functions() const { return functions_; }
@@ -55,6 +55,7 @@ class FunctionRelation : public Relation {
   /// @throws std::invalid_argument if size < 1, or gap or jacobian are missing
   FunctionRelation(int size, Functions functions, Vec parameters = {});
 
+  void require_dimensions(int coordinates, int freedoms) const override;
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;

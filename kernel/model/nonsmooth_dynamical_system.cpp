@@ -15,6 +15,11 @@ NonSmoothDynamicalSystem::NonSmoothDynamicalSystem(Systems systems, double t0)
     if (!systems_[i]) throw std::invalid_argument("dynamical system " + std::to_string(i) + " is null");
     if (!index_.emplace(systems_[i].get(), static_cast<int>(i)).second)
       throw std::invalid_argument("dynamical system " + std::to_string(i) + " stands twice in the list");
+    const int coordinates = systems_[i]->coordinates(), freedoms = systems_[i]->dimension();
+    if (coordinates != freedoms && !systems_[i]->has_velocity_map())
+      throw std::invalid_argument("v0 must have " + std::to_string(coordinates) +
+                                  " entries as q0 has, unless the system defines velocity_map, got " +
+                                  std::to_string(freedoms) + " in dynamical system " + std::to_string(i));
   }
 }
 
@@ -46,7 +51,8 @@ NonSmoothDynamicalSystem::Ends NonSmoothDynamicalSystem::connect(const std::stri
     throw std::invalid_argument(kind + " acts between two different systems, got one twice");
   if (names_.count(name))
     throw std::invalid_argument("the name of " + kind + " must be unique, got '" + name + "' twice");
-  relation.require_dimension(first.dimension() + (second ? second->dimension() : 0));
+  relation.require_dimensions(first.coordinates() + (second ? second->coordinates() : 0),
+                              first.dimension() + (second ? second->dimension() : 0));
   names_.insert(name);
   return ends;
 }
@@ -69,15 +75,22 @@ int NonSmoothDynamicalSystem::dimension() const {
   return n;
 }
 
+int NonSmoothDynamicalSystem::coordinates() const {
+  int n = 0;
+  for (const auto& system : systems_) n += system->coordinates();
+  return n;
+}
+
 namespace {
 
 template <class Part>
-Vec concatenate(const NonSmoothDynamicalSystem& model, Part part) {
-  Vec all(model.dimension());
-  int offset = 0;
+Vec concatenate(const NonSmoothDynamicalSystem& model, int size, Part part) {
+  Vec all(size);
+  Eigen::Index offset = 0;
   for (const auto& system : model.systems()) {
-    all.segment(offset, system->dimension()) = part(*system);
-    offset += system->dimension();
+    const Vec& own = part(*system);
+    all.segment(offset, own.size()) = own;
+    offset += own.size();
   }
   return all;
 }
@@ -85,11 +98,13 @@ Vec concatenate(const NonSmoothDynamicalSystem& model, Part part) {
 }  // namespace
 
 Vec NonSmoothDynamicalSystem::q0() const {
-  return concatenate(*this, [](const LagrangianDS& system) { return system.q0(); });
+  return concatenate(*this, coordinates(),
+                     [](const LagrangianDS& system) -> const Vec& { return system.q0(); });
 }
 
 Vec NonSmoothDynamicalSystem::v0() const {
-  return concatenate(*this, [](const LagrangianDS& system) { return system.v0(); });
+  return concatenate(*this, dimension(),
+                     [](const LagrangianDS& system) -> const Vec& { return system.v0(); });
 }
 
 }  // namespace saltus

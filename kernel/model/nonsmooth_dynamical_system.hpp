@@ -30,7 +30,8 @@ class NonSmoothDynamicalSystem {
   using Systems = std::vector<std::shared_ptr<const LagrangianDS>>;
 
   /// @param t0  initial time [s]
-  /// @throws std::invalid_argument if there is no system, one stands twice, or t0 is not finite
+  /// @throws std::invalid_argument if there is no system, one stands twice, q0 and v0 of one differ in size
+  ///         though it has no velocity map, or t0 is not finite
   explicit NonSmoothDynamicalSystem(Systems systems, double t0 = 0.0);
 
   /// Lets the interaction act between a system and the ground, or between two systems.
@@ -50,9 +51,10 @@ class NonSmoothDynamicalSystem {
   const std::vector<Link>& links() const { return links_; }
   const std::vector<Force>& forces() const { return forces_; }
   double t0() const { return t0_; }
-  /// Number of freedoms of all systems.
+  /// Number of freedoms of all systems, the entries of v; and of coordinates, those of q.
   int dimension() const;
-  /// Initial positions and velocities of all systems, (dimension).
+  int coordinates() const;
+  /// Initial positions (coordinates) and velocities (dimension) of all systems.
   Vec q0() const;
   Vec v0() const;
 

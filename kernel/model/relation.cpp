@@ -3,11 +3,25 @@
 #include <stdexcept>
 #include <string>
 
+#include "saltus/kernel/model/requirements.hpp"
+
 namespace saltus {
 
 Relation::Relation(int size) : size_(size) {
   if (size < 1) throw std::invalid_argument("relation size must be at least 1, got " + std::to_string(size));
 }
+
+void Relation::require_dimensions(int, int) const {}
+
+void RheonomousRelation::gap(const In&, Out) const {
+  throw std::logic_error("the gap of this relation depends on the time");
+}
+
+void RheonomousRelation::jacobian(const In&, OutMatrix) const {
+  throw std::logic_error("the Jacobian of this relation depends on the time");
+}
+
+void RheonomousRelation::curvature_at(double, const In& q, const In& v, Out c) const { curvature(q, v, c); }
 
 void Relation::curvature(const In&, const In&, Out) const {
   throw std::logic_error("this relation has no curvature term, which schemes on acceleration level need");
@@ -30,11 +44,8 @@ LagrangianLinearTIR::LagrangianLinearTIR(Matrix H, Vec b)
 
 LagrangianLinearTIR::LagrangianLinearTIR(Matrix H) : LagrangianLinearTIR(H, Vec::Zero(H.rows())) {}
 
-void LagrangianLinearTIR::require_dimension(int n) const {
-  if (H_.cols() != n)
-    throw std::invalid_argument("H must have " + std::to_string(n) +
-                                " columns as the linked systems have freedoms, got " +
-                                std::to_string(H_.cols()));
+void LagrangianLinearTIR::require_dimensions(int coordinates, int freedoms) const {
+  require_columns(H_, coordinates, freedoms);
 }
 
 void LagrangianLinearTIR::gap(const In& q, Out g) const {

@@ -47,6 +47,18 @@ void require_symmetric(double asymmetry, double size, const std::string& what) {
 
 }  // namespace
 
+void require_columns(const Matrix& H, int coordinates, int freedoms) {
+  if (coordinates != freedoms)
+    throw std::invalid_argument(
+        "a relation that is linear in q needs systems with as many coordinates as "
+        "freedoms, got " +
+        std::to_string(coordinates) + " and " + std::to_string(freedoms));
+  if (H.cols() != freedoms)
+    throw std::invalid_argument("H must have " + std::to_string(freedoms) +
+                                " columns as the linked systems have freedoms, got " +
+                                std::to_string(H.cols()));
+}
+
 double smallest_eigenvalue(const Matrix& A) {
   if (!A.allFinite()) return -std::numeric_limits<double>::infinity();
   return Eigen::SelfAdjointEigenSolver<Matrix>(A, Eigen::EigenvaluesOnly).eigenvalues()[0];

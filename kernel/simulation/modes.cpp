@@ -24,7 +24,7 @@ Matrix mass_of(const Layout& layout, const Partition& partition, int block, cons
   for (int k : partition.blocks[block]) {
     const auto& system = layout.systems[k];
     Matrix own = Matrix::Zero(system.n, system.n);
-    system.model->mass({q.data() + system.offset, system.n}, {own.data(), system.n, system.n});
+    system.model->mass({q.data() + system.first, system.coordinates}, {own.data(), system.n, system.n});
     M.block(partition.places[k].offset, partition.places[k].offset, system.n, system.n) = own;
   }
   return M;

@@ -90,7 +90,7 @@ void TimeStepping::check_start() {
   for (std::size_t k = 0; k < layout_->systems.size(); ++k) {
     const auto& system = layout_->systems[k];
     const std::string who = " of system " + std::to_string(k);
-    const In q(state_.q.data() + system.offset, system.n);
+    const In q(state_.q.data() + system.first, system.coordinates);
     const In v(state_.v.data() + system.offset, system.n);
     if (!system.constant_mass) {  // the others were checked when view_ was made
       Matrix M = Matrix::Zero(system.n, system.n);
@@ -103,7 +103,7 @@ void TimeStepping::check_start() {
       throw std::invalid_argument("forces" + who + " at t0 must be finite, got NaN or infinity");
   }
   check_force_elements();
-  view_.move_to(state_.q);
+  view_.move_to(state_.q, state_.t);
   view_.factorise();
   report_.kinetic_energy = view_.kinetic_energy(state_.v);
   report_.penetration = view_.penetration();
@@ -124,7 +124,7 @@ void TimeStepping::check_force_elements() {
   std::vector<double> storage(3 * layout_->largest_force);
   for (std::size_t k = 0; k < layout_->forces.size(); ++k) {
     const auto& slot = layout_->forces[k];
-    const Stretch start = stretch(*layout_, slot, state_.q, state_.v, storage.data());
+    const Stretch start = stretch(*layout_, slot, state_.t, state_.q, state_.v, storage.data());
     const std::string who =
         " of force element '" + model_.forces()[k].name + "' at t0 must be finite, got NaN or infinity";
     if (!std::isfinite(start.length)) throw std::invalid_argument("length" + who);
@@ -185,10 +185,10 @@ const StepReport& TimeStepping::step() {
 
 // Gaps, relative velocities and potential energy at the present state
 void TimeStepping::look() {
-  view_.move_to(state_.q);
+  view_.move_to(state_.q, state_.t);
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     view_.relative_velocity(k, state_.v, velocities_.data() + layout_->contacts[k].row);
-  potential_energy_ = potential_energy(*layout_, state_.q);
+  potential_energy_ = potential_energy(*layout_, state_.t, state_.q);
 }
 
 void TimeStepping::show(Observer& observer) {
@@ -196,7 +196,7 @@ void TimeStepping::show(Observer& observer) {
 }
 
 void TimeStepping::fail(const StepReport& report) {
-  view_.move_to(state_.q);
+  view_.move_to(state_.q, state_.t);
   std::vector<std::string> contacts;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     if (view_.closed(k) || !view_.finite(k)) contacts.push_back(model_.links()[k].name);

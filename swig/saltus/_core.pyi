@@ -109,10 +109,32 @@ class LagrangianDS:
     @property
     def dimension(self) -> int: ...
     @property
+    def coordinates(self) -> int: ...
+    @property
     def q0(self) -> FloatArray: ...
     @property
     def v0(self) -> FloatArray: ...
     def add_shape(self, shape: Shape, pose: Pose) -> None: ...
+
+class NewtonEulerDS(LagrangianDS):
+    def __init__(
+        self,
+        q0: ArrayLike,
+        v0: ArrayLike,
+        mass: float,
+        inertia: ArrayLike,
+        *,
+        force: ArrayLike | None = None,
+        moment: ArrayLike | None = None,
+        body_force: ArrayLike | None = None,
+        body_moment: ArrayLike | None = None,
+    ) -> None: ...
+    @property
+    def body_mass(self) -> float: ...
+    @property
+    def inertia(self) -> FloatArray: ...
+
+def rotation_matrix(quaternion: ArrayLike) -> FloatArray: ...
 
 @final
 class LagrangianLinearTIDS(LagrangianDS):
@@ -142,6 +164,60 @@ class LagrangianScleronomousR:
 @final
 class LagrangianLinearTIR(LagrangianScleronomousR):
     def __init__(self, H: ArrayLike, b: ArrayLike | None = None) -> None: ...
+
+class LagrangianRheonomousR(LagrangianScleronomousR):
+    def __init__(self, size: int) -> None: ...
+
+@final
+class SpherePlane(LagrangianScleronomousR):
+    def __init__(
+        self,
+        size: int,
+        *,
+        radius: float,
+        point: ArrayLike,
+        normal: ArrayLike,
+        centre: ArrayLike = ...,
+    ) -> None: ...
+
+@final
+class SphereSphere(LagrangianScleronomousR):
+    def __init__(
+        self,
+        size: int,
+        *,
+        radius1: float = 0.0,
+        radius2: float = 0.0,
+        centre1: ArrayLike = ...,
+        centre2: ArrayLike = ...,
+    ) -> None: ...
+
+@final
+class SphereBox(LagrangianScleronomousR):
+    def __init__(
+        self,
+        size: int,
+        *,
+        radius: float,
+        half_lengths: ArrayLike,
+        box_centre: ArrayLike = ...,
+        centre: ArrayLike = ...,
+    ) -> None: ...
+
+@final
+class Joint(LagrangianScleronomousR):
+    @staticmethod
+    def weld(ds1: LagrangianDS, ds2: LagrangianDS | None = None, *, at: ArrayLike) -> Joint: ...
+    @staticmethod
+    def pivot(
+        ds1: LagrangianDS, ds2: LagrangianDS | None = None, *, at: ArrayLike, axis: ArrayLike = ...
+    ) -> Joint: ...
+    @staticmethod
+    def ball(ds1: LagrangianDS, ds2: LagrangianDS | None = None, *, at: ArrayLike) -> Joint: ...
+    @staticmethod
+    def slider(
+        ds1: LagrangianDS, ds2: LagrangianDS | None = None, *, at: ArrayLike, axis: ArrayLike
+    ) -> Joint: ...
 
 class NonSmoothLaw:
     @property
@@ -215,6 +291,8 @@ class NonSmoothDynamicalSystemBase:
     def t0(self) -> float: ...
     @property
     def dimension(self) -> int: ...
+    @property
+    def coordinates(self) -> int: ...
     def check_items(self) -> list[CheckItem]: ...
     def contacts(self) -> list[tuple[str, int, int, int, int]]: ...
 
@@ -300,7 +378,8 @@ class StepReport:
 
 class Configuration:
     def __init__(self, system: NonSmoothDynamicalSystemBase) -> None: ...
-    def move_to(self, q: ArrayLike) -> None: ...
+    def move_to(self, q: ArrayLike, t: float | None = None) -> None: ...
+    def rates(self, v: ArrayLike) -> FloatArray: ...
     @property
     def q(self) -> FloatArray: ...
     @property
@@ -408,7 +487,7 @@ class Recording(Observer):
     def flush(self) -> None: ...
 
 def run_columns() -> dict[str, str]: ...
-def csv_header(freedoms: int, contacts: Sequence[tuple[str, int, int]]) -> str: ...
+def csv_header(coordinates: int, freedoms: int, contacts: Sequence[tuple[str, int, int]]) -> str: ...
 def csv_rows(columns: Mapping[str, Any]) -> str: ...
 
 # compare

@@ -25,16 +25,22 @@ from saltus._core import (
     ForceElement,
     ForceLaw,
     Interaction,
+    Joint,
     LagrangianDS,
     LagrangianLinearTIDS,
     LagrangianLinearTIR,
+    LagrangianRheonomousR,
     LagrangianScleronomousR,
+    NewtonEulerDS,
     NewtonImpactFrictionNSL,
     NewtonImpactNSL,
     NonSmoothLaw,
     OneStepIntegrator,
     Reactions,
     SimulationError,
+    SphereBox,
+    SpherePlane,
+    SphereSphere,
     SpringDamper,
     State,
     StepFailure,
@@ -42,6 +48,7 @@ from saltus._core import (
     Tableau,
     integrators,
     neighbours,
+    rotation_matrix,
 )
 from saltus.io import Layout, Provenance, Trajectory
 from saltus.io.stream import Stream
@@ -63,10 +70,13 @@ __all__ = [
     "ForceElement",
     "ForceLaw",
     "Interaction",
+    "Joint",
     "LagrangianDS",
     "LagrangianLinearTIDS",
     "LagrangianLinearTIR",
+    "LagrangianRheonomousR",
     "LagrangianScleronomousR",
+    "NewtonEulerDS",
     "NewtonImpactFrictionNSL",
     "NewtonImpactNSL",
     "NonSmoothDynamicalSystem",
@@ -77,6 +87,9 @@ __all__ = [
     "Reactions",
     "Shape",
     "SimulationError",
+    "SphereBox",
+    "SpherePlane",
+    "SphereSphere",
     "SpringDamper",
     "StabilityWarning",
     "State",
@@ -87,6 +100,7 @@ __all__ = [
     "integrators",
     "neighbours",
     "register_integrator",
+    "rotation_matrix",
 ]
 
 
@@ -262,7 +276,7 @@ class TimeStepping(_core.TimeSteppingBase):
             warnings.warn(unstable, StabilityWarning, stacklevel=2)
         recording = _core.Recording(record_every)
         self.add_observer(recording)
-        layout = Layout.of(system.contacts(), [ds.dimension for ds in system.systems])
+        layout = Layout.of(system.contacts(), [ds.coordinates for ds in system.systems])
         provenance = Provenance(
             scheme.name,
             _plain(_storable(scheme.options)),

@@ -69,7 +69,7 @@ TEST(Compare, ARecordedRunIsAReference) {
   ASSERT_EQ(same.warnings.size(), 1u);
   EXPECT_NE(same.warnings[0].find("not clearly finer"), std::string::npos);
   expect_refusal([&] { compare(make_two_balls(1.0, 1.0, 1.0, 0.0, 0.5), settings); },
-                 {"recorded reference", "2 freedoms, got 1"});
+                 {"recorded reference", "2 coordinates, got 1"});
 }
 
 TEST(Compare, FreeFallIsExactBetweenTheStepsOfTheReference) {

@@ -68,7 +68,7 @@ TEST(Csv, HeaderNamesEveryFieldWithItsUnit) {
 
 TEST(Csv, QuotesNamesThatHoldSeparators) {
   std::ostringstream text;
-  write_csv_header(text, 1, {{"a, \"b\"", 1, 1}});
+  write_csv_header(text, 1, 1, {{"a, \"b\"", 1, 1}});
   EXPECT_NE(text.str().find("\"a, \"\"b\"\".gap0 [m]\",\"a, \"\"b\"\".velocity0 [m/s]\""), std::string::npos);
 }
 

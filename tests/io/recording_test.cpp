@@ -169,6 +169,7 @@ TEST(Recording, EveryColumnIsListedOnce) {
     const long size =
         std::visit([&](auto member) { return static_cast<long>(((*r).*member).size()); }, column.values);
     const std::map<Column::Width, long> width = {{Column::Width::one, 1},
+                                                 {Column::Width::coordinates, 3},
                                                  {Column::Width::freedoms, 3},
                                                  {Column::Width::gaps, 4},
                                                  {Column::Width::rows, 8}};

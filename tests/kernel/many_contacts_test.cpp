@@ -60,7 +60,7 @@ TEST(Activity, GoesByTheContactsOwnVelocity) {
     model.link(linear_contact(H, vec({floors[k]}), NewtonImpactNSL(0.0), ""), *balls[k]);
   const auto layout = std::make_shared<Layout>(model, 1e-4);
   Configuration start(layout);
-  start.move_to(model.q0());
+  start.move_to(model.q0(), model.t0());
   ASSERT_GT(start.gaps()[2], 0.0);
   Vec gamma = Vec::Zero(3);
   std::vector<int> active;
@@ -99,7 +99,7 @@ TEST(SparseAssembly, IsTheDenseOne) {
   const NonSmoothDynamicalSystem model = row_of_blocks(6);
   const auto layout = std::make_shared<Layout>(model);
   Configuration at(layout);
-  at.move_to(model.q0());
+  at.move_to(model.q0(), model.t0());
   ASSERT_TRUE(at.factorise());
   // Together in pairs as well, as force elements would have it: then the two ends share a block.
   const auto pairs = std::make_shared<Partition>();

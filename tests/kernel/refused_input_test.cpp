@@ -132,7 +132,7 @@ TEST(Refused, DistancesOfTheWrongShape) {
   expect_refusal([] { Distance(nan * Matrix::Ones(2, 2), Vec::Zero(2)); }, {"H must be finite"});
   expect_refusal([] { Distance(Matrix::Ones(2, 2), vec({0, inf})); }, {"b must be finite"});
   expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(2), nan); }, {"length must be finite"});
-  expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(2)).require_dimension(3); },
+  expect_refusal([] { Distance(Matrix::Ones(2, 2), Vec::Zero(2)).require_dimensions(3, 3); },
                  {"H must have 3 columns", "got 2"});
 }
 
@@ -289,7 +289,7 @@ TEST(Refused, TheSliderCranksOwn) {
   const SliderCrankParameters p;
   expect_refusal([&] { SliderCrank(Vec::Zero(2), Vec::Zero(2), p); }, {"3 freedoms", "got 2"});
   expect_refusal([&] { SliderCorner(p.a, p.b, 3, p); }, {"1 or 2 rows", "got 3"});
-  expect_refusal([&] { SliderGuide(p).require_dimension(4); }, {"3 freedoms", "got 4"});
+  expect_refusal([&] { SliderGuide(p).require_dimensions(4, 4); }, {"3 freedoms", "got 4"});
 }
 
 }  // namespace

@@ -220,7 +220,7 @@ TEST(SparseSystem, AResponseIsTakenOnceWhicheverContactsAreActive) {
                *body);
   const auto layout = std::make_shared<const Layout>(model);
   Configuration position(layout);
-  position.move_to(model.q0());
+  position.move_to(model.q0(), model.t0());
   ContactAssembly assembly(layout, one_block_a_system(*layout));
   Counted inverse;
   auto solutions_for = [&](const std::vector<int>& active) {

@@ -131,7 +131,7 @@ TEST_P(Sticky, TheFrictionalCrankImpactsNoMoreThanWithThePlainRule) {
     Vec before = Vec::Ones(4);
     for (const Row& row : rows_of_run(model, *family(GetParam(), activity), dt, until)) {
       impacts += row.report.impulsive;
-      view.move_to(row.state.q);
+      view.move_to(row.state.q, row.state.t);
       for (int k = 0; k < 4; ++k) {
         const double gap = view.gaps()[k];
         if (row.report.impulsive && gap <= 0.0 && before[k] > 0.0) {
@@ -217,9 +217,9 @@ TEST(Stabilization, AProjectionChangesTheEnergyOfTheCrankByLessThanAMillionth) {
       Reactions free_reactions = reactions;
       const StepReport a = pulled->step(1e-4, state, reactions);
       const StepReport b = plain->step(1e-4, free, free_reactions);
-      const double energy = a.kinetic_energy + potential_energy(*layout, state.q);
-      change =
-          std::max(change, std::abs(b.kinetic_energy + potential_energy(*layout, free.q) - energy) / energy);
+      const double energy = a.kinetic_energy + potential_energy(*layout, state.t, state.q);
+      change = std::max(
+          change, std::abs(b.kinetic_energy + potential_energy(*layout, free.t, free.q) - energy) / energy);
       moved = std::max(moved, (free.q - state.q).norm());
     }
     EXPECT_LT(change, 1e-6) << tableau;

@@ -1,5 +1,7 @@
 // An integrator in a shared library, "./libown.so:TrapezoidalMoreau". The same scheme as in
 // trapezoidal_moreau.py, where its formulas are.
+#include <stdexcept>
+
 #include "saltus/kernel/integrators/contact_stage.hpp"
 #include "saltus/kernel/integrators/registry.hpp"
 
@@ -14,8 +16,9 @@ class TrapezoidalMoreau final : public OneStepIntegrator {
 
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override {
     layout_ = std::make_shared<Layout>(model);
+    if (layout_->mapped) throw std::invalid_argument(name() + " takes systems with q̇ = v only");
     places_.assign(2, Configuration(layout_));
-    for (Configuration& place : places_) place.move_to(model.q0());
+    for (Configuration& place : places_) place.move_to(model.q0(), model.t0());
     contacts_ = std::make_unique<ContactStage>(layout_, solver);
     for (Vec* x : {&a_, &a1_, &v1_, &before_, &after_}) x->setZero(layout_->n);
     gamma_.setZero(layout_->rows);
@@ -25,10 +28,10 @@ class TrapezoidalMoreau final : public OneStepIntegrator {
     StepReport report;
     Configuration& start = places_[0];
     Configuration& end = places_[1];
-    if (start.q() != state.q) start.move_to(state.q);
+    if (!start.is_at(state.q, state.t)) start.move_to(state.q, state.t);
     if (!accelerate(start, state.t, state.v, a_, report)) return report;
     v1_ = state.v + dt * a_;
-    end.move_to(state.q + 0.5 * dt * (state.v + v1_));
+    end.move_to(state.q + 0.5 * dt * (state.v + v1_), state.t + dt);
     if (!end.finite()) report.status = StepStatus::gap_not_finite;
     if (!end.finite() || !accelerate(end, state.t + dt, v1_, a1_, report)) return report;
     before_ = state.v + 0.5 * dt * (a_ + a1_);
@@ -48,7 +51,7 @@ class TrapezoidalMoreau final : public OneStepIntegrator {
       return report;
     }
     report.work_forces = end.kinetic_energy(before_) - start.kinetic_energy(state.v);
-    report.work_impulse = assembly.work(contacts_->P(), gamma_);
+    report.work_impulse = assembly.work(contacts_->P(), end, before_);
     report.kinetic_energy = end.kinetic_energy(after_);
     report.penetration = end.penetration();
     report.closed = static_cast<int>(active_.size());

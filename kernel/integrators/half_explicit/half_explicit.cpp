@@ -46,10 +46,12 @@ HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettin
     simple_ = std::make_unique<HalfExplicit>(name_, heun_tableau(), settings_);
   explicit_.assign(s_ + 2, true);
   same_as_last_.assign(s_ + 2, false);
+  is_end_.assign(s_ + 2, false);
   for (int l = 1; l <= s_ + 1; ++l) {
     explicit_[l] = l == s_ + 1 ||
                    (settings_.level == Level::velocity && tableau_.Ac.row(l - 1) == tableau_.Aq.row(l - 1));
     same_as_last_[l] = l > 1 && tableau_.Aq.row(l - 1) == tableau_.Aq.row(l - 2);
+    is_end_[l] = tableau_.Aq.row(l - 1) == tableau_.Aq.row(s_);
   }
 }
 
@@ -60,19 +62,20 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
   for (int l = 1; l <= s_ + 1; ++l) slot_.push_back(slot_.back() + (same_as_last_[l] ? 0 : 1));
   const Configuration blank(layout_);
   configurations_.assign(slot_.back() + 1, blank);
-  for (auto& configuration : configurations_) configuration.move_to(model.q0());
+  for (auto& configuration : configurations_) configuration.move_to(model.q0(), model.t0());
   predicted_ = std::make_unique<Configuration>(blank);
   contacts_ = std::make_unique<ContactStage>(layout_, solver);
   stages_.resize(s_ + 2);
   for (Stage& stage : stages_) {
     for (Vec* x : {&stage.v, &stage.h, &stage.acceleration, &stage.reaction}) x->setZero(layout_->n);
+    if (layout_->mapped) stage.rate.setZero(layout_->coordinates);
     stage.lambda.setZero(layout_->rows);
   }
   if (settings_.stabilized) projection_ = std::make_unique<PositionProjection>(layout_);
   for (auto* contacts : {&start_, &active_, &drifted_}) contacts->reserve(layout_->contacts.size());
   in_start_.assign(layout_->contacts.size(), 0);
   if (simple_) simple_->prepare(model, solver);
-  q_.setZero(layout_->n);
+  q_.setZero(layout_->coordinates);
   for (Vec* x : {&gamma_, &impulse_}) x->setZero(layout_->rows);
 }
 
@@ -96,13 +99,15 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
 }
 
 void HalfExplicit::begin(const State& state, const Reactions& reactions) {
-  if (at(0).q() != state.q) at(0).move_to(state.q);
+  t_ = state.t;
+  if (!at(0).is_at(state.q, t_)) at(0).move_to(state.q, t_);
   start_.clear();
   for (int k = 0; k < static_cast<int>(in_start_.size()); ++k) {
     in_start_[k] = at(0).closed(k) || (settings_.activity == Activity::sticky && is_held(k, state));
     if (in_start_[k]) start_.push_back(k);
   }
   stages_[0].v = state.v;
+  if (layout_->mapped) position_rates(*layout_, state.q, state.v, stages_[0].rate);
   stages_[0].lambda = reactions.lambda_plus;
   stages_[s_].lambda = s_ > 0 ? reactions.lambda_minus : reactions.lambda_plus;
   impulse_.setZero();
@@ -148,7 +153,7 @@ bool HalfExplicit::move_to_end(double dt, StepReport& report) {
   Configuration& end = at(s_ + 1);
   if (!same_as_last_[s_ + 1]) {
     position(tableau_.Aq, s_ + 1, dt);
-    end.move_to(q_);
+    move(end, s_ + 1, dt);
   }
   if (settings_.stabilized && end.finite() && !newly_closed()) {
     drifted_.clear();  // those on which the multiplier before the last presses, λ_{s-1}
@@ -157,19 +162,26 @@ bool HalfExplicit::move_to_end(double dt, StepReport& report) {
       const auto& contact = layout_->contacts[k];
       if (contact.law->bilateral || (lambda[contact.row] > 0.0 && within_reach(k, dt))) drifted_.push_back(k);
     }
-    projection_->pull(drifted_, end, at(s_));  // M of the last stage: it is close, and factorised
+    projection_->pull(drifted_, end, t_ + dt, at(s_));  // M of the last stage: it is close, and factorised
   }
   if (!end.finite()) report.status = StepStatus::gap_not_finite;
   if (!end.factorise()) report.status = StepStatus::mass_not_positive_definite;
   return report.status == StepStatus::ok;
 }
 
-// q_ <- q_0 + Δt Σ_k A_lk v_k
+// q_ <- q_0 + Δt Σ_k A_lk q̇_k
 void HalfExplicit::position(const Matrix& A, int l, double dt) {
   q_ = at(0).q();
   const double* weight = &A(l - 1, 0);
   for (int k = 0; k <= s_; ++k)
-    if (weight[k] != 0.0) add_scaled(dt * weight[k], stages_[k].v, q_);
+    if (weight[k] != 0.0) add_scaled(dt * weight[k], layout_->mapped ? stages_[k].rate : stages_[k].v, q_);
+}
+
+// To q_ at the time of row l. Only the end is brought back to allowed coordinates: rates of stages that were
+// would not belong together.
+void HalfExplicit::move(Configuration& configuration, int l, double dt) {
+  if (layout_->mapped && is_end_[l]) normalise(*layout_, q_);
+  configuration.move_to(q_, time(l, dt));
 }
 
 // h and M⁻¹h at stage l
@@ -218,9 +230,13 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
     add_scaled(weight, force.reaction, next.v);
   }
 
+  if (l <= s_ && layout_->mapped) {  // Y where v_l is not needed to get there
+    if (!explicit_[l]) position(tableau_.Ac, l, dt);
+    position_rates(*layout_, explicit_[l] ? at(l).q() : q_, next.v, next.rate);
+  }
   if (l <= s_ && !explicit_[l] && !same_as_last_[l]) {
     position(tableau_.Aq, l, dt);
-    at(l).move_to(q_);
+    move(at(l), l, dt);
   }
   return true;
 }
@@ -229,14 +245,14 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
 void HalfExplicit::constrain_velocity(int l, double dt) {
   const bool predicts = settings_.activity == Activity::predicted;
   // A constant W needs no prediction, where the activity needs none either.
-  const bool foreseen = !explicit_[l] && !layout_->varying_jacobian && !predicts;
+  const bool foreseen = !explicit_[l] && !layout_->varying_jacobian && !layout_->rheonomous && !predicts;
   Configuration& constraint = explicit_[l] ? at(l) : foreseen ? at(0) : *predicted_;
   if (l <= s_ && !foreseen && !(explicit_[l] && same_as_last_[l])) {
     position(tableau_.Ac, l, dt);
     if (explicit_[l] || predicts)
-      constraint.move_to(q_);
+      move(constraint, l, dt);
     else
-      constraint.move_without_gaps(q_);
+      constraint.move_without_gaps(q_, time(l, dt));
   }
   choose_active(l, constraint);
   if (active_.empty()) return;
@@ -347,8 +363,8 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   if (!contacts_->solve(report)) return false;  // (56)-(58)
   assembly.scatter(contacts_->P(), 1.0, impulse_);
   report.work_forces = inertia_work(at(0), end, stages_[0].v, v);
+  report.work_impulse = assembly.work(contacts_->P(), end, v);
   assembly.apply(1.0, contacts_->P().data(), v);  // (68)
-  report.work_impulse = assembly.work(contacts_->P(), gamma_);
   return true;
 }
 
@@ -388,7 +404,7 @@ double HalfExplicit::lambda_power(int k) {
     const double* lambda = stages_[k].lambda.data() + slot.row;
     if (lambda[0] == 0.0 && !slot.law->bilateral) continue;
     double* gamma = gamma_.data() + slot.row;
-    at(k).relative_velocity(contact, stages_[k].v, gamma);
+    at(k).velocity_of_work(contact, stages_[k].v, gamma);
     for (int i = 0; i < slot.rows; ++i) power += lambda[i] * gamma[i];
   }
   return power;

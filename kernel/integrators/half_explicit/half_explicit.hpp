@@ -56,6 +56,7 @@ class HalfExplicit final : public OneStepIntegrator {
  private:
   struct Stage {
     Vec v;                // velocity
+    Vec rate;             // q̇ = Y v, of models with velocity maps
     Vec h;                // forces
     Vec acceleration;     // M⁻¹h
     bool loaded = false;  // contacts carry λ; else λ is zero, and reaction is not looked at
@@ -72,6 +73,8 @@ class HalfExplicit final : public OneStepIntegrator {
   bool move_to_end(double dt, StepReport& report);
   bool impact(double dt, StepReport& report);
   void position(const Matrix& A, int l, double dt);
+  void move(Configuration& configuration, int l, double dt);
+  double time(int l, double dt) const { return t_ + (l <= s_ ? tableau_.c[l] * dt : dt); }
   void choose_active(int l, const Configuration& constraint);
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
@@ -94,6 +97,7 @@ class HalfExplicit final : public OneStepIntegrator {
   bool in_order_;                   // the stages follow each other in time
   std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
   std::vector<char> same_as_last_;  // per row: its position is that of the row before
+  std::vector<char> is_end_;        // per row: its position is that of the output
 
   std::shared_ptr<const Layout> layout_;
   std::vector<Configuration> configurations_;
@@ -108,6 +112,7 @@ class HalfExplicit final : public OneStepIntegrator {
   std::vector<int> active_;               // of the contact problem at hand
   std::vector<int> drifted_;              // that may be pulled back
   Vec q_, gamma_, impulse_;
+  double t_ = 0.0;  // of the start of the step
 };
 
 }  // namespace saltus

@@ -9,18 +9,19 @@ namespace saltus {
 void ExplicitMoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
   layout_ = std::make_shared<Layout>(model, solver.tolerance());
   configurations_.assign(2, Configuration(layout_));
-  for (auto& configuration : configurations_) configuration.move_to(model.q0());
+  for (auto& configuration : configurations_) configuration.move_to(model.q0(), model.t0());
   contacts_ = std::make_unique<ContactStage>(layout_, solver);
   active_.reserve(layout_->contacts.size());
-  for (Vec* x : {&q_, &v_, &h_}) x->setZero(layout_->n);
-  for (Vec* x : {&gamma_before_, &gamma_free_}) x->setZero(layout_->rows);
+  for (Vec* x : {&q_, &rate_}) x->setZero(layout_->coordinates);
+  for (Vec* x : {&v_, &h_}) x->setZero(layout_->n);
+  gamma_before_.setZero(layout_->rows);
 }
 
 StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reactions) {
   StepReport report;
   Configuration& start = configurations_[0];
   Configuration& end = configurations_[1];
-  if (start.q() != state.q) start.move_to(state.q);
+  if (!start.is_at(state.q, state.t)) start.move_to(state.q, state.t);
   if (!start.factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
     return report;
@@ -30,8 +31,9 @@ StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reaction
     return report;
   }
 
-  q_ = state.q + dt * state.v;  // (29)
-  end.move_to(q_);
+  q_ = state.q;
+  advance(*layout_, state.q, state.v, dt, rate_, q_);  // (29)
+  end.move_to(q_, state.t + dt);
   if (!end.factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
     return report;
@@ -55,12 +57,11 @@ bool ExplicitMoreauJean::contact_impulses(const Reactions& reactions, StepReport
   ContactAssembly& assembly = contacts_->assembly();
   assembly.assemble(active_, end, end, end);
   assembly.set_b(end, v_);
-  assembly.scatter(assembly.problem().b, 1.0, gamma_free_);
   assembly.add_restitution(gamma_before_);
   assembly.gather(reactions.impulse, 1.0, contacts_->P());
   if (!contacts_->solve(report)) return false;
+  report.work_impulse = assembly.work(contacts_->P(), end, v_);
   assembly.apply(1.0, contacts_->P().data(), v_);
-  report.work_impulse = assembly.work(contacts_->P(), gamma_free_);
   return true;
 }
 

@@ -24,13 +24,15 @@ void MoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& s
   layout_ = std::make_shared<Layout>(model, solver.tolerance());
   configurations_.assign(2, Configuration(layout_));
   middle_ = std::make_unique<Configuration>(configurations_[0]);
-  for (auto& configuration : configurations_) configuration.move_to(model.q0());
+  for (auto& configuration : configurations_) configuration.move_to(model.q0(), model.t0());
   matrix_ = std::make_unique<IterationMatrix>(layout_);
   contacts_ = std::make_unique<ContactStage>(layout_, matrix_->partition(), solver);
   active_.reserve(layout_->contacts.size());
-  for (Vec* x : {&q_, &v_, &next_, &change_, &h_, &h_end_}) x->setZero(layout_->n);
+  for (Vec* x : {&q_, &q_middle_, &rate_}) x->setZero(layout_->coordinates);
+  for (Vec* x : {&v_, &next_, &change_, &h_, &h_end_}) x->setZero(layout_->n);
   gamma_before_.setZero(layout_->rows);
-  linear_ = std::all_of(layout_->systems.begin(), layout_->systems.end(),
+  linear_ = !layout_->mapped &&
+            std::all_of(layout_->systems.begin(), layout_->systems.end(),
                         [](const auto& system) { return system.model->time_invariant(); }) &&
             std::all_of(layout_->contacts.begin(), layout_->contacts.end(),
                         [](const auto& contact) { return contact.relation->constant_jacobian(); }) &&
@@ -59,7 +61,7 @@ StepReport MoreauJean::step(double dt, State& state, Reactions& reactions) {
 // Forces, relative velocities and active contacts at the start; the iteration starts from v.
 bool MoreauJean::begin(double dt, const State& state, StepReport& report) {
   Configuration& start = configurations_[0];
-  if (start.q() != state.q) start.move_to(state.q);
+  if (!start.is_at(state.q, state.t)) start.move_to(state.q, state.t);
   if (!start.factorise()) {
     report.status = StepStatus::mass_not_positive_definite;
     return false;
@@ -74,13 +76,18 @@ bool MoreauJean::begin(double dt, const State& state, StepReport& report) {
   return true;
 }
 
-// q⁺ and q_θ of the velocity at hand
+// q⁺ and q_θ of the velocity at hand; Y half way is of order 2 if that velocity is
 bool MoreauJean::move(double dt, const State& state, StepReport& report) {
   Configuration& end = configurations_[1];
-  q_ = state.q + dt * (theta_ * v_ + (1.0 - theta_) * state.v);
-  end.move_to(q_);
-  q_ = (1.0 - theta_) * state.q + theta_ * q_;
-  middle_->move_without_gaps(q_);
+  change_ = theta_ * v_ + (1.0 - theta_) * state.v;
+  q_middle_ = state.q;
+  if (layout_->mapped) advance(*layout_, state.q, change_, 0.5 * dt, rate_, q_middle_);
+  q_ = state.q;
+  advance(*layout_, q_middle_, change_, dt, rate_, q_);
+  end.move_to(q_, state.t + dt);
+  q_middle_ = (1.0 - theta_) * state.q + theta_ * q_;
+  if (layout_->mapped) normalise(*layout_, q_middle_);
+  middle_->move_without_gaps(q_middle_, state.t + theta_ * dt);
   if (!end.factorise() || !middle_->factorise()) report.status = StepStatus::mass_not_positive_definite;
   if (!end.finite()) report.status = StepStatus::gap_not_finite;
   return report.status == StepStatus::ok;
@@ -139,7 +146,7 @@ void MoreauJean::commit(double dt, State& state, Reactions& reactions, StepRepor
   for (int k : active_) {
     const auto& contact = layout_->contacts[k];
     double* gamma = gamma_before_.data() + contact.row;
-    end.relative_velocity(k, change_, gamma);
+    end.velocity_of_work(k, change_, gamma);
     report.work_impulse += reactions.impulse.segment(contact.row, contact.rows).dot(In(gamma, contact.rows));
   }
   report.closed = static_cast<int>(end.closed_contacts().size());

@@ -9,7 +9,7 @@ namespace saltus {
 
 /// Moreau-Jean time-stepping with the θ rule for the smooth forces:
 ///   M(q_θ)(v⁺ − v) = Δt (θ h(t⁺, q⁺, v⁺) + (1−θ) h(t, q, v)) + W(q⁺) Λ,   q_θ = (1−θ) q + θ q⁺,
-///   q⁺ = q + Δt (θ v⁺ + (1−θ) v),   law (6)-(7) between W(q⁺)ᵀv⁺ + ε W(q)ᵀv and Λ,
+///   q⁺ = q + Δt Y (θ v⁺ + (1−θ) v),   law (6)-(7) between W(q⁺)ᵀv⁺ + ε W(q)ᵀv and Λ,
 /// on the contacts that half a step of free motion would close (33). Newton's iteration; a single one for
 /// time-invariant systems and force elements whose relations are linear. Of order 2 in smooth motion for
 /// θ = ½, else 1.
@@ -38,7 +38,7 @@ class MoreauJean final : public OneStepIntegrator {
   std::unique_ptr<IterationMatrix> matrix_;
   std::unique_ptr<ContactStage> contacts_;
   std::vector<int> active_;
-  Vec q_, v_, next_, change_, h_, h_end_, gamma_before_;
+  Vec q_, q_middle_, rate_, v_, next_, change_, h_, h_end_, gamma_before_;
 };
 
 }  // namespace saltus

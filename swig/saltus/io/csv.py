@@ -19,7 +19,7 @@ def write_csv(path: str | os.PathLike[str], source: Rows, layout: Layout) -> Pat
     new = NewFile(path)
     try:
         with open(new.part, "w", encoding="utf-8", newline="") as file:
-            file.write(csv_header(sum(layout.dimensions), contacts))
+            file.write(csv_header(columns["q"].shape[1], columns["v"].shape[1], contacts))
             for start in range(0, rows, BLOCK):
                 file.write(
                     csv_rows({name: values[start : start + BLOCK] for name, values in columns.items()})

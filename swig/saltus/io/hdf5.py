@@ -232,7 +232,7 @@ def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, 
             shapes = file["shapes"]
             return (
                 Loaded(rows, {name: file["columns"][name][:rows] for name in UNITS}),
-                Layout(contacts, tuple(layout["dimensions"])),
+                Layout(contacts, tuple(layout["coordinates"])),
                 Provenance(**json.loads(file.attrs["provenance"])),
                 [_read_shape(shapes[name], rows) for name in sorted(shapes)],
             )

@@ -40,15 +40,15 @@ class ContactSlot:
 
 @dataclass(frozen=True)
 class Layout:
-    """Names and places of the contacts, and the dimensions of the systems."""
+    """Names and places of the contacts, and how many coordinates each system has."""
 
     contacts: Mapping[str, ContactSlot]
-    dimensions: tuple[int, ...]
+    coordinates: tuple[int, ...]
 
     @staticmethod
-    def of(contacts: Sequence[tuple[str, int, int, int, int]], dimensions: Sequence[int]) -> Layout:
+    def of(contacts: Sequence[tuple[str, int, int, int, int]], coordinates: Sequence[int]) -> Layout:
         """From what the model lists: (name, row, rows, gap, gaps) of each contact."""
-        return Layout({name: ContactSlot(*place) for name, *place in contacts}, tuple(dimensions))
+        return Layout({name: ContactSlot(*place) for name, *place in contacts}, tuple(coordinates))
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,6 @@ def follow(shapes: Iterable[PlacedShape | ShapeRecord], layout: Layout, q: Float
 
 
 def _follow(shape: PlacedShape, layout: Layout, q: FloatArray) -> ShapeRecord:
-    start = sum(layout.dimensions[: shape.system])
-    poses = shape.poses(q[:, start : start + layout.dimensions[shape.system]])
+    start = sum(layout.coordinates[: shape.system])
+    poses = shape.poses(q[:, start : start + layout.coordinates[shape.system]])
     return ShapeRecord(shape.system, type(shape.shape).__name__, shape.shape.outline(), poses)

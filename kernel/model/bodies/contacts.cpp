@@ -1,0 +1,158 @@
+#include "saltus/kernel/model/bodies/contacts.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <stdexcept>
+
+#include "saltus/numerics/text.hpp"
+
+namespace saltus {
+namespace {
+
+void require_finite(const Vec3& x, const char* what) {
+  if (!x.allFinite()) throw std::invalid_argument(std::string(what) + " must be finite, got NaN or infinity");
+}
+
+double not_negative(double radius) {
+  if (!(radius >= 0.0) || !std::isfinite(radius))
+    throw std::invalid_argument("radius must be finite and not negative, got " + number(radius));
+  return radius;
+}
+
+// Two unit vectors that make a right-handed frame with n, without a case that is nearly singular: Duff et
+// al., J. Computer Graphics Techniques 6 (2017) 1-8.
+void tangents(const Vec3& n, Vec3& t1, Vec3& t2) {
+  const double sign = std::copysign(1.0, n[2]), a = -1.0 / (sign + n[2]), b = n[0] * n[1] * a;
+  t1 << 1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0];
+  t2 << b, sign + n[1] * n[1] * a, -n[1];
+}
+
+}  // namespace
+
+BodyContact::BodyContact(int size) : Relation(size) {
+  if (size > 3)
+    throw std::invalid_argument("size of a contact must be 1, 2 in the plane or 3 in space, got " +
+                                std::to_string(size));
+}
+
+void BodyContact::require_dimensions(int coordinates, int freedoms) const {
+  require_bodies(coordinates, freedoms, "this contact");
+  const bool planar = coordinates == freedoms;
+  const int with_friction = planar ? 2 : 3;
+  if (size() != 1 && size() != with_friction)
+    throw std::invalid_argument(std::string("size of a contact of ") + (planar ? "plane" : "spatial") +
+                                " bodies must be 1 or " + std::to_string(with_friction) + ", got " +
+                                std::to_string(size()));
+}
+
+void BodyContact::gap(const In& q, Out g) const { g[0] = closest(BodyPair(q)).gap; }
+
+void BodyContact::jacobian(const In& q, OutMatrix J) const {
+  const BodyPair bodies(q);
+  const Closest at = closest(bodies);
+  Vec3 directions[3] = {at.normal};
+  if (bodies.a.planar)
+    directions[1] = at.normal.cross(Vec3::UnitZ());
+  else if (size() == 3)
+    tangents(at.normal, directions[1], directions[2]);
+  const Vec3 arm_a = at.on_a - bodies.a.x, arm_b = at.on_b - bodies.b.x;
+  for (int i = 0; i < size(); ++i)
+    add_to_row(bodies, directions[i], arm_a.cross(directions[i]), -arm_b.cross(directions[i]),
+               J.row(i).data());
+}
+
+SpherePlane::SpherePlane(int size, double radius, const Vec3& centre, const Vec3& point, const Vec3& normal)
+    : BodyContact(size), radius_(not_negative(radius)), centre_(centre), point_(point), normal_(normal) {
+  require_finite(centre, "centre");
+  require_finite(point, "point");
+  require_finite(normal, "normal");
+  if (!(normal.norm() > 0.0)) throw std::invalid_argument("normal must have a length, got zero");
+  normal_.normalize();
+}
+
+Closest SpherePlane::closest(const BodyPair& bodies) const {
+  const Vec3 n = bodies.b.R * normal_, centre = bodies.a.in_space(centre_);
+  const double height = n.dot(centre - bodies.b.in_space(point_));
+  return {height - radius_, n, centre - radius_ * n, centre - height * n};
+}
+
+// g = n·d − r with n fixed in b: ġ = n·ḋ + ṅ·d, g̈ = n·d̈ + 2 ṅ·ḋ + n̈·d
+void SpherePlane::curvature(const In& q, const In& v, Out c) const {
+  const BodyPair bodies(q);
+  const TwistPair twists(bodies, v);
+  const Vec3 n = bodies.b.R * normal_;
+  const Vec3 arm_a = bodies.a.R * centre_, arm_b = bodies.b.R * point_;
+  const Vec3 d = bodies.a.x + arm_a - bodies.b.x - arm_b;
+  const Vec3 rate = twists.a.at(arm_a) - twists.b.at(arm_b);
+  c[0] = n.dot(twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b)) +
+         2.0 * twists.b.omega.cross(n).dot(rate) + twists.b.centripetal(n).dot(d);
+}
+
+SphereSphere::SphereSphere(int size, double radius_a, double radius_b, const Vec3& centre_a,
+                           const Vec3& centre_b)
+    : BodyContact(size), radius_a_(radius_a), radius_b_(radius_b), centre_a_(centre_a), centre_b_(centre_b) {
+  require_finite(centre_a, "centre_a");
+  require_finite(centre_b, "centre_b");
+  for (double radius : {radius_a, radius_b})
+    if (!std::isfinite(radius)) throw std::invalid_argument("radius must be finite, got " + number(radius));
+}
+
+Closest SphereSphere::closest(const BodyPair& bodies) const {
+  const Vec3 a = bodies.a.in_space(centre_a_), b = bodies.b.in_space(centre_b_);
+  const double distance = (a - b).norm();
+  const Vec3 n = (a - b) / distance;
+  return {distance - radius_a_ - radius_b_, n, a - radius_a_ * n, b + radius_b_ * n};
+}
+
+// g = |d| − r: ġ = n·ḋ, g̈ = n·d̈ + (|ḋ|² − ġ²) / |d|
+void SphereSphere::curvature(const In& q, const In& v, Out c) const {
+  const BodyPair bodies(q);
+  const TwistPair twists(bodies, v);
+  const Vec3 arm_a = bodies.a.R * centre_a_, arm_b = bodies.b.R * centre_b_;
+  const Vec3 d = bodies.a.x + arm_a - bodies.b.x - arm_b;
+  const Vec3 rate = twists.a.at(arm_a) - twists.b.at(arm_b);
+  const double distance = d.norm(), closing = d.dot(rate) / distance;
+  c[0] = d.dot(twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b)) / distance +
+         (rate.squaredNorm() - closing * closing) / distance;
+}
+
+SphereBox::SphereBox(int size, double radius, const Vec3& centre, const Vec3& half_lengths,
+                     const Vec3& box_centre)
+    : BodyContact(size),
+      radius_(not_negative(radius)),
+      centre_(centre),
+      half_(half_lengths),
+      box_centre_(box_centre) {
+  require_finite(centre, "centre");
+  require_finite(half_lengths, "half_lengths");
+  require_finite(box_centre, "box_centre");
+  if (!(half_lengths.minCoeff() > 0.0))
+    throw std::invalid_argument("half_lengths must be positive, got " + number(half_lengths.minCoeff()));
+}
+
+Closest SphereBox::closest(const BodyPair& bodies) const {
+  const Vec3 centre = bodies.a.in_space(centre_), local = bodies.b.in_body(centre) - box_centre_;
+  const int axes = bodies.a.planar ? 2 : 3;
+  Vec3 nearest = local;
+  int deepest = 0;  // the face that is nearest from inside
+  bool inside = true;
+  for (int i = 0; i < axes; ++i) {
+    nearest[i] = std::clamp(local[i], -half_[i], half_[i]);
+    inside = inside && nearest[i] == local[i];
+    if (half_[i] - std::abs(local[i]) < half_[deepest] - std::abs(local[deepest])) deepest = i;
+  }
+  Vec3 normal;
+  double distance;  // of the centre from the surface
+  if (inside) {
+    normal = std::copysign(1.0, local[deepest]) * Vec3::Unit(deepest);
+    distance = std::abs(local[deepest]) - half_[deepest];
+    nearest[deepest] = std::copysign(half_[deepest], local[deepest]);
+  } else {
+    distance = (local - nearest).norm();
+    normal = (local - nearest) / distance;
+  }
+  const Vec3 n = bodies.b.R * normal;
+  return {distance - radius_, n, centre - radius_ * n, bodies.b.in_space(nearest + box_centre_)};
+}
+
+}  // namespace saltus
