@@ -2,6 +2,8 @@
 
 #include "ball_in_box/ball_in_box.hpp"
 #include "bindings.hpp"
+#include "elastic_bar/bare_loop.hpp"
+#include "elastic_bar/elastic_bar.hpp"
 #include "slider_crank/bare_loop.hpp"
 #include "slider_crank/slider_crank.hpp"
 
@@ -56,12 +58,31 @@ void bind_ball_in_box(py::module_& module) {
       py::arg("oblique"), "The ball in a box in C++, which a test compares with the one in Python.");
 }
 
+void bind_elastic_bar(py::module_& module) {
+  module.def(
+      "compiled_elastic_bar",
+      [](int elements, double damping) { return make_elastic_bar(elements, damping); }, py::arg("elements"),
+      py::arg("damping"), "The elastic bar in C++, which a test compares with the one in Python.");
+  module.def(
+      "bare_elastic_bar",
+      [](int elements, double damping, double gap, double time_step, long steps) {
+        ElasticBarParameters parameters;
+        parameters.gap = gap;
+        BareElasticBar bar(elements, damping, parameters);
+        bar.run(time_step, steps);
+        return std::make_pair(to_array(bar.q()), to_array(bar.v()));
+      },
+      py::arg("elements"), py::arg("damping"), py::arg("gap"), py::arg("time_step"), py::arg("steps"),
+      "q and v of the elastic bar after some steps of a loop that is written by hand for it.");
+}
+
 }  // namespace
 
 // The models of the examples in C++. The Python documents beside them explain the formulas.
 void bind_examples(py::module_& module) {
   bind_slider_crank(module);
   bind_ball_in_box(module);
+  bind_elastic_bar(module);
 }
 
 }  // namespace saltus::python

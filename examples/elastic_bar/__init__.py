@@ -1,0 +1,1 @@
+"""The elastic bar (Section 6.1 of the paper)."""
