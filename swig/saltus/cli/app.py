@@ -29,6 +29,9 @@ class Target(str, Enum):
     fig8 = "fig8"
     fig10 = "fig10"
     fig11 = "fig11"
+    fig13 = "fig13"
+    fig14 = "fig14"
+    fig15 = "fig15"
     all = "all"
 
 

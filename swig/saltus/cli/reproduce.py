@@ -15,6 +15,7 @@ from rich.table import Table
 from saltus.cli.out import require_writable, save, write_json
 from saltus.cli.progress import progress_bar
 from saltus.examples.ball_in_box import figures as ball_in_box
+from saltus.examples.elastic_bar import figures as elastic_bar
 from saltus.examples.figure import PaperFigure
 from saltus.examples.slider_crank import convergence
 from saltus.examples.slider_crank import figures as slider_crank
@@ -31,6 +32,9 @@ FIGURES: dict[str, Callable[[], PaperFigure]] = {
     "fig8": slider_crank.figure_8,
     "fig10": ball_in_box.figure_10,
     "fig11": ball_in_box.figure_11,
+    "fig13": elastic_bar.figure_13,
+    "fig14": elastic_bar.figure_14,
+    "fig15": elastic_bar.figure_15,
 }
 
 
@@ -84,7 +88,7 @@ def print_figure(name: str, figure: PaperFigure) -> None:
         grid.add_column("unit", no_wrap=True)
         for row in figure.quantities:
             if row.scheme == scheme:
-                grid.add_row(row.quantity, f"{row.value:.4g}", "" if row.unit == "1" else row.unit)
+                grid.add_row(row.quantity, f"{row.value:.5g}", "" if row.unit == "1" else row.unit)
         console.print(grid)
 
 
