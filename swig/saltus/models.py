@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +15,7 @@ from saltus import _core, registry
 from saltus._core import NonSmoothDynamicalSystemBase
 from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.bouncing_ball import bouncing_ball
+from saltus.examples.elastic_bar import elastic_bar
 from saltus.examples.slider_crank import slider_crank
 
 
@@ -37,11 +38,29 @@ class Example(Model):
     time_step: float  #: Δt [s]
     until: float  #: [s]
     bare_loop: Callable[[float, int], object] | None = None  #: the same in C++, written by hand: (Δt, steps)
+    bench_steps: int = 40_000  #: at least, in whole runs, of one repeat of ``saltus bench``
 
     @property
     def steps(self) -> int:
         """Of one run."""
         return round(self.until / self.time_step)
+
+
+def _bar(
+    elements: int, what: str, time_step: float, until: float, reference: str, gap: float | None = None
+) -> Example:
+    standard = elastic_bar.Parameters()
+    parameters = standard if gap is None else replace(standard, gap=gap)
+    return Example(
+        f"bar-{elements}",
+        f"elastic bar of {elements} elements {what}",
+        lambda: elastic_bar.build(elements, parameters=parameters),
+        time_step,
+        until,
+        f"HalfExplicitTrapezoidalOSI@{reference}",
+        lambda dt, steps: _core.bare_elastic_bar(elements, 0.0, parameters.gap, dt, steps),
+        40_000 * 50 // elements,
+    )
 
 
 MODELS = {
@@ -70,6 +89,9 @@ MODELS = {
             5e-3,
             2.0,
         ),
+        _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
+        _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),
+        _bar(100_000, "on an obstacle, for what a step costs", 1e-9, 2e-7, "1e-10", gap=1.05e-9),
     )
 }
 

@@ -172,7 +172,7 @@ def test_converge(tmp_path):
 def test_models_are_listed(tmp_path):
     result = saltus("models", cwd=tmp_path)
     assert result.returncode == 0
-    for text in ("slider-crank", "bouncing-ball", "ball-in-box", "Δt [s]", "1e-05"):
+    for text in ("slider-crank", "bouncing-ball", "ball-in-box", "bar-100000", "Δt [s]", "1e-05"):
         assert text in result.stdout
 
 
