@@ -16,6 +16,7 @@ from saltus._core import NonSmoothDynamicalSystemBase
 from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.elastic_bar import elastic_bar
+from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.slider_crank import slider_crank
 
 
@@ -88,6 +89,13 @@ MODELS = {
             ball_in_box.build,
             5e-3,
             2.0,
+        ),
+        Example(
+            "newtons-cradle",
+            "five balls that hit each other one after the other, nearly a period",
+            newtons_cradle.build,
+            newtons_cradle.TIME_STEP,
+            0.7,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""Newton's cradle: simultaneous and successive impacts."""
