@@ -15,6 +15,7 @@ from saltus import _core, registry
 from saltus._core import NonSmoothDynamicalSystemBase
 from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.bouncing_ball import bouncing_ball
+from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
 from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.slider_crank import slider_crank
@@ -96,6 +97,13 @@ MODELS = {
             newtons_cradle.build,
             newtons_cradle.TIME_STEP,
             0.7,
+        ),
+        Example(
+            "dry-oscillator",
+            "a block on a spring that dry friction brings to rest at 1.26 s",
+            dry_friction.oscillator,
+            dry_friction.TIME_STEP,
+            2.0,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),
