@@ -102,7 +102,7 @@ MODELS = {
             "dry-oscillator",
             "a block on a spring that dry friction brings to rest at 1.26 s",
             dry_friction.oscillator,
-            dry_friction.TIME_STEP,
+            2e-4,
             2.0,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
