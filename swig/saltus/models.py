@@ -17,6 +17,7 @@ from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
+from saltus.examples.impact_oscillator import impact_oscillator
 from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.slider_crank import slider_crank
 
@@ -104,6 +105,13 @@ MODELS = {
             dry_friction.oscillator,
             2e-4,
             2.0,
+        ),
+        Example(
+            "impact-oscillator",
+            "a driven mass that hits its stop once in every period, ten times",
+            impact_oscillator.build,
+            impact_oscillator.TIME_STEP,
+            2.6,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""A driven oscillator that hits a stop once in every period."""
