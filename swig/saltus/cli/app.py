@@ -97,7 +97,7 @@ def bench_models(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:
-    """Measure the time of a step: every integrator on every model, beside a loop written by hand if there is one.
+    """Measure the time of a step: every integrator on every model, beside a loop written by hand.
 
     Integrators that cannot take a model, or are unstable at its time step, are named instead.
     """
