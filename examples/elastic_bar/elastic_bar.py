@@ -30,8 +30,10 @@ the scheme on velocity level tells them apart from the force λ, which stays.
 
 3. What the mesh adds
 ---------------------
-A velocity that jumps cannot travel through elements unspoilt: short waves fall behind, ever more of them
-the farther it is, so that λ follows τ in the first half of the contact and rings in the second. A little
+A velocity that jumps cannot travel through elements unspoilt. With M and K as above short waves run ahead of
+the jump, those three elements long √2 times as fast as c0, and near its limit the scheme makes the shortest
+faster still. So λ follows τ in the first half of the contact, and rings in the second, before the jump is
+back. A little
 damping C = δK takes the ringing away. The paper's δ is 10³/E = 4.762e-9 s; what stands there, 10⁻³/E =
 4.761e-6 s, are two numbers that do not agree with each other. The first would do nothing, the second is
 beyond what an explicit scheme takes.
