@@ -14,6 +14,7 @@ from typing import Any
 from saltus import _core, registry
 from saltus._core import NonSmoothDynamicalSystemBase
 from saltus.examples.ball_in_box import ball_in_box
+from saltus.examples.ball_on_string import ball_on_string
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
@@ -112,6 +113,15 @@ MODELS = {
             impact_oscillator.build,
             impact_oscillator.TIME_STEP,
             2.6,
+            bench_steps=5_000,
+        ),
+        Example(
+            "ball-on-string",
+            "a ball on a string that goes slack, and is taut again with a jerk at 1.07 s; in Python",
+            ball_on_string.build,
+            ball_on_string.TIME_STEP,
+            1.3,
+            bench_steps=5_000,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""A ball on a string that goes slack: bilateral and unilateral constraints."""
