@@ -4,6 +4,7 @@
 #include "functions.hpp"
 #include "python_models.hpp"
 #include "saltus/kernel/model/distance.hpp"
+#include "saltus/kernel/model/driven.hpp"
 #include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 #include "saltus/kernel/model/nonsmooth_law.hpp"
 
@@ -206,6 +207,46 @@ ValueError
            py::arg("H"), py::arg("b") = py::none(), py::arg("length") = 0.0);
 }
 
+// p(t) of a Python callable that returns (position, velocity, acceleration)
+Driven::Function to_motion(const py::function& motion) {
+  const auto held = hold(motion);
+  return [held](double t) -> Motion {
+    const py::object result = (*held)(t);
+    try {
+      const auto [position, velocity, acceleration] = result.cast<std::tuple<double, double, double>>();
+      return {position, velocity, acceleration};
+    } catch (const py::cast_error&) {
+      throw py::type_error("motion must return three numbers (position, velocity, acceleration), got " +
+                           std::string(py::repr(result)));
+    }
+  };
+}
+
+void bind_driven(py::module_& module) {
+  py::classh<Driven, Relation>(module, "Driven", py::is_final(),
+                               R"(A relation whose first gap is driven: g = g_r(q) − p(t).
+
+As an equality it makes a freedom follow p, if g_r is linear in q; a rod changes its length, a floor moves along its
+normal.
+
+Parameters
+----------
+relation : g_r, which does not depend on the time itself
+motion : function of t that returns (p, ṗ, p̈) [m or rad, m/s, m/s²]; the last is for schemes on acceleration level
+
+Raises
+------
+ValueError
+    If the relation depends on the time.
+TypeError
+    If motion is not callable, or returns something else.
+)")
+      .def(py::init([](std::shared_ptr<Relation> relation, const py::function& motion) {
+             return std::make_unique<Driven>(std::move(relation), to_motion(motion));
+           }),
+           py::arg("relation"), py::arg("motion"));
+}
+
 void bind_rheonomous(py::module_& module) {
   py::classh<RheonomousRelation, Relation, PyRheonomousRelation>(
       module, "LagrangianRheonomousR",
@@ -320,6 +361,7 @@ void bind_models(py::module_& module) {
   bind_systems(module);
   bind_relations(module);
   bind_rheonomous(module);
+  bind_driven(module);
   bind_laws(module);
   bind_force_elements(module);
 }

@@ -7,6 +7,9 @@ namespace saltus::python {
 /// Is this a model function rather than an array of numbers?
 bool is_function(const py::object& object);
 
+/// Keeps a Python object, and lets it go with the interpreter's lock.
+std::shared_ptr<const py::object> hold(const py::object& object);
+
 /// A model function as Python gives it: None, "library:function", what @saltus.compiled returns, or a pointer
 /// to a C function of ctypes or cffi.
 /// @param method  that it stands for: "forces"

@@ -243,10 +243,7 @@ namespace {
 
 // f of a Python callable of (t, length, rate)
 ForceLaw::Function callable_force(const py::object& callable) {
-  const auto held = std::shared_ptr<const py::object>(new py::object(callable), [](const py::object* object) {
-    const py::gil_scoped_acquire gil;
-    delete object;
-  });
+  const auto held = hold(callable);
   return [held](double t, double length, double rate) {
     const py::object force = (*held)(t, length, rate);
     const double value = PyFloat_AsDouble(force.ptr());

@@ -31,8 +31,9 @@ ContactStage::ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr
   solver.reserve(layout->rows);
 }
 
-bool ContactStage::solve(StepReport& report) {
-  const ContactProblem& problem = assembly_.problem();
+bool ContactStage::solve(StepReport& report) { return solve(assembly_.problem(), P_, report); }
+
+bool ContactStage::solve(const ContactProblem& problem, PoolVec& P, StepReport& report) {
   if (problem.rows() == 0) return true;
   if (!problem.b.view().allFinite()) {
     report.status = StepStatus::not_finite;
@@ -40,7 +41,7 @@ bool ContactStage::solve(StepReport& report) {
   }
   SolveReport solved;
   if (solver_->accepts(problem))
-    solved = solver_->solve(problem, P_.data());
+    solved = solver_->solve(problem, P.data());
   else
     solved.status = SolveStatus::breakdown;
   report.solver_iterations += solved.iterations;

@@ -23,6 +23,8 @@ class ContactStage {
   /// Solves the assembled problem for P, warm start in P.
   /// @return false if the status in the report is no longer ok
   bool solve(StepReport& report);
+  /// The same of a problem made of the assembled one. @param P (rows) in: warm start; out: solution
+  bool solve(const ContactProblem& problem, PoolVec& P, StepReport& report);
 
  private:
   ContactAssembly assembly_;

@@ -20,7 +20,7 @@ struct SchemeProperties {
   bool implicit = false;        ///< in the forces: stable for stiff ones; impulses act over the whole step
   int order_free = 1;           ///< in q and v, free flight
   int order_bilateral = 1;      ///< under bilateral constraints
-  int order_sliding = 1;        ///< in persistent sliding whose direction does not turn, as in the plane
+  int order_sliding = 1;        ///< in persistent sliding, also where its direction turns in space
   bool impact_law = true;       ///< restitution by the law in every phase of a step
   bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
 };

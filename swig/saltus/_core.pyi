@@ -169,6 +169,14 @@ class LagrangianRheonomousR(LagrangianScleronomousR):
     def __init__(self, size: int) -> None: ...
 
 @final
+class Driven(LagrangianScleronomousR):
+    def __init__(
+        self,
+        relation: LagrangianScleronomousR,
+        motion: Callable[[float], tuple[float, float, float]],
+    ) -> None: ...
+
+@final
 class SpherePlane(LagrangianScleronomousR):
     def __init__(
         self,

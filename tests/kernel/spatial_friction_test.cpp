@@ -105,7 +105,9 @@ TEST_P(FrictionInSpace, OnTheCriticalInclineSidewaysMotionTurnsDownhill) {
   const std::vector<double> dt = {4e-3, 2e-3, 1e-3};
   for (double h : dt) error.push_back(std::abs(sum(run_to(make_sledge(sledge), *scheme_, h, 0.4)) - v0));
   EXPECT_LT(error.back(), 2e-3 * v0);
-  EXPECT_GE(slope(dt, error), 0.8);
+  if (error.back() > 1e-11) {  // else rounding
+    EXPECT_GE(slope(dt, error), 0.8);
+  }
   const State end = run_to(make_sledge(sledge), *scheme_, 1e-3, 5.0);
   EXPECT_NEAR(end.v[0], 0.5 * v0, 1e-3 * v0);
   EXPECT_NEAR(end.v[1], 0.0, 1e-3 * v0);
@@ -115,12 +117,15 @@ TEST_P(FrictionInSpace, OnTheCriticalInclineSidewaysMotionTurnsDownhill) {
 const Sledge curved{
     .position = vec({0.3, 0.0}), .velocity = vec({1.0, 2.0}), .mu = 0.2, .stiffness = vec({20.0, 60.0})};
 
-TEST_P(FrictionInSpace, TheOrderIsOneWhereTheDirectionOfSlidingTurns) {
+TEST_P(FrictionInSpace, TheOrderHoldsWhereTheDirectionOfSlidingTurns) {
   const double until = 0.25;
-  const Orders orders = measure_orders(make_sledge(curved), *scheme_, exact_sliding(curved, until), until,
-                                       {1e-3, 5e-4, 2.5e-4, 1.25e-4});
-  EXPECT_NEAR(orders.q, 1.0, 0.2);
-  EXPECT_NEAR(orders.v, 1.0, 0.2);
+  const int claimed = scheme_properties(GetParam()).order_sliding;
+  const std::vector<double> steps = claimed > 3 ? std::vector<double>{2.5e-2, 1.25e-2, 6.25e-3}
+                                                : std::vector<double>{2e-3, 1e-3, 5e-4, 2.5e-4};
+  const Orders orders =
+      measure_orders(make_sledge(curved), *scheme_, exact_sliding(curved, until), until, steps);
+  EXPECT_GE(std::min(orders.q, orders.v), claimed - 0.2);
+  EXPECT_LE(std::min(orders.q, orders.v), claimed + 0.5);
 }
 
 TEST_P(FrictionInSpace, ASphereWithSpinSlidesOnAParabolaAndThenRolls) {
@@ -187,20 +192,20 @@ TEST_P(FrictionInSpace, ATurningTableIsStoppedByTheMomentOfItsFeet) {
 INSTANTIATE_TEST_SUITE_P(Schemes, FrictionInSpace, testing::ValuesIn(and_accurate_ones(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
-TEST(HalfExplicitFriction, BothForcesOfASlidingStepPointAgainstTheVelocityAtItsEnd) {
-  // (62)-(72) in sliding on the plane, written out: (70) takes the direction of v_{i-1,1}, (72) that of v_i⁻.
-  // λ⁺ acts at the start of the step with the direction of its end, which costs one order where that turns.
+TEST(HalfExplicitFriction, ForcesOfASlidingStepPointAgainstTheVelocityOfTheirStage) {
+  // (62)-(68) in sliding on the plane, written out: λ⁺ acts against v_{i-1}, λ⁻ against v_{i-1,1}. With the
+  // directions of (70) and (72), those of v_{i-1,1} and v_i⁻, the order is 1 where the direction turns.
   const double dt = 1e-2, g = gravity, m = 2.0;
   TimeStepping simulation(make_sledge(curved), *make_integrator("HalfExplicitTrapezoidalOSI"), dt);
   Vec q = curved.position, v = curved.velocity;
   const auto acceleration = [&](const Vec& at) { return Vec(-curved.stiffness.cwiseProduct(at) / m); };
-  for (int k = 0; k < 25; ++k) {
+  for (int k = 0; k < 20; ++k) {  // soon after, a step takes half of the speed
     const Vec a0 = acceleration(q), free = v + dt * a0;
-    const Vec slowing = -curved.mu * g * free / free.norm();  // λ_T⁺/m; friction shortens v_{i-1,1} only
+    const Vec slowing = -curved.mu * g * v / v.norm();  // λ_T⁺/m
     const Vec v1 = free + dt * slowing;
     q += 0.5 * dt * (v + v1);
     const Vec end = v + 0.5 * dt * (a0 + slowing + acceleration(q));
-    v = end - 0.5 * dt * curved.mu * g * end / end.norm();
+    v = end - 0.5 * dt * curved.mu * g * v1 / v1.norm();
     simulation.step();
     ASSERT_LT((simulation.state().q.head(2) - q).norm(), 1e-13) << k;
     ASSERT_LT((simulation.state().v.head(2) - v).norm(), 1e-13) << k;

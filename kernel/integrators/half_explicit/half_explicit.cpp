@@ -65,6 +65,7 @@ void HalfExplicit::prepare(const NonSmoothDynamicalSystem& model, ContactSolver&
   for (auto& configuration : configurations_) configuration.move_to(model.q0(), model.t0());
   predicted_ = std::make_unique<Configuration>(blank);
   contacts_ = std::make_unique<ContactStage>(layout_, solver);
+  sliding_ = std::make_unique<Sliding>(layout_);
   stages_.resize(s_ + 2);
   for (Stage& stage : stages_) {
     for (Vec* x : {&stage.v, &stage.h, &stage.acceleration, &stage.reaction}) x->setZero(layout_->n);
@@ -222,7 +223,8 @@ bool HalfExplicit::row(int l, double dt, StepReport& report) {
     // Warm start: the first and the last multiplier from the step before, the others from the row before.
     const bool inner = l > 1 && l <= s_;
     assembly.gather(inner ? stages_[l - 2].lambda : force.lambda, weight, contacts_->P());
-    if (!contacts_->solve(report)) return false;
+    const bool slides = sliding_->find(active_, at(l - 1), force.v);
+    if (!(slides ? sliding_->solve(*contacts_, report) : contacts_->solve(report))) return false;
     force.lambda.setZero();
     assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
     force.reaction.setZero();

@@ -5,6 +5,7 @@
 
 #include "saltus/kernel/assembly/position_projection.hpp"
 #include "saltus/kernel/integrators/contact_stage.hpp"
+#include "saltus/kernel/integrators/half_explicit/sliding.hpp"
 #include "saltus/kernel/integrators/half_explicit/tableau.hpp"
 
 namespace saltus {
@@ -104,6 +105,7 @@ class HalfExplicit final : public OneStepIntegrator {
   std::vector<int> slot_;  // per row 0..s_+1: which configuration
   std::unique_ptr<Configuration> predicted_;
   std::unique_ptr<ContactStage> contacts_;
+  std::unique_ptr<Sliding> sliding_;
   std::vector<Stage> stages_;  // 0..s_+1
   std::unique_ptr<PositionProjection> projection_;
   std::unique_ptr<HalfExplicit> simple_;  // Heun's tableau, for steps in which more stages do harm

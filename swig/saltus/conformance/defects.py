@@ -56,10 +56,13 @@ def defects(
     yield from across_impacts(make)
     if friction:
         what, build, exact = "sliding that turns in space", sledge, exact_sledge(0.25)
+        expected = f">= {order_sliding - SLACK:.1f}"
     else:
         what, build, exact = "lasting contact", smooth_bowl, exact_swing(0.0, SUNKEN, 0.25)
-    for symbol, order in slopes(make, build, exact, 0.25, STEPS):
-        yield Finding(f"order of {symbol}, {what}", order)
+        expected = ""
+    for symbol, order in slopes(make, build, exact, 0.25, SWING_STEPS.get(order_sliding, STEPS)):
+        ok = not expected or order >= order_sliding - SLACK
+        yield Finding(f"order of {symbol}, {what}", order, expected, ok)
     if forces:
         yield from from_touch(make, MU if friction else 0.0, order_sliding, holds=mended.opening)
     yield from drift(make, holds=mended.drift)
