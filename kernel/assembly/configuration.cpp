@@ -241,7 +241,7 @@ double Configuration::term_size(int contact, int row, const Vec& x) {
 
 void Configuration::relative_acceleration(int contact, const Vec& v, const Vec& a, double* gamma_dot) {
   const auto& slot = layout_->contacts[contact];
-  relative_velocity(contact, a, gamma_dot);
+  velocity_of_work(contact, a, gamma_dot);
   curvature_.head(slot.rows).setZero();
   slot.relation->curvature_at(t_, local_position(slot), layout_->local(slot, v, local_v_.data()),
                               {curvature_.data(), slot.rows});
