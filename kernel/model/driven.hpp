@@ -11,9 +11,9 @@ struct Motion {
   double position, velocity, acceleration;  ///< [m or rad], [m/s], [m/s²]
 };
 
-/// A relation whose first gap is driven, g = g_r(q) − p(t): a freedom that follows p if g_r is linear in q, a rod
-/// that changes its length, a floor that moves along its normal. As an equality it makes the freedom move so, and
-/// its force is what that takes.
+/// A relation whose first gap is driven, g = g_r(q) − p(t): a freedom that follows p if g_r is linear in q, a
+/// rod that changes its length, a floor that moves along its normal. As an equality it makes the freedom move
+/// so, and its force is what that takes.
 class Driven final : public RheonomousRelation {
  public:
   using Function = std::function<Motion(double t)>;

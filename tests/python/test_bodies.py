@@ -125,9 +125,10 @@ def test_loads_of_a_python_class():
     trajectory = sk.TimeStepping(sk.NonSmoothDynamicalSystem([ds]), "MoreauJeanOSI", 1e-2).run(1.0)
     assert trajectory.v[-1, 5] == pytest.approx(1.0 + 0.3 / 0.2 / 2, rel=1e-12)
     assert trajectory.q[-1, 2] == pytest.approx(-GRAVITY / 2, rel=1e-12)
+    ds = Gyroscope([0, 0, 0, *UNIT], np.zeros(6), 2.0, [0.1, 0.1, 0.2], body_moment=[0, 0, 1])
+    system = sk.NonSmoothDynamicalSystem([ds])
     with pytest.raises(ValueError, match="body_moment"):
-        ds = Gyroscope([0, 0, 0, *UNIT], np.zeros(6), 2.0, [0.1, 0.1, 0.2], body_moment=[0, 0, 1])
-        sk.TimeStepping(sk.NonSmoothDynamicalSystem([ds]), "MoreauJeanOSI", 1e-2)
+        sk.TimeStepping(system, "MoreauJeanOSI", 1e-2)
 
 
 def test_bad_bodies_are_refused():
@@ -141,11 +142,11 @@ def test_bad_bodies_are_refused():
     ]:
         with pytest.raises(ValueError, match=message):
             sk.NewtonEulerDS(*arguments)
+    ds = sk.NewtonEulerDS([0, 0, 0, *UNIT], np.zeros(6), 1.0, np.ones(3))
+    system = sk.NonSmoothDynamicalSystem([ds])
+    line = sk.Interaction(sk.LagrangianLinearTIR([[1, 0, 0, 0, 0, 0]]), sk.NewtonImpactNSL(0.0))
     with pytest.raises(ValueError, match="as many coordinates as freedoms"):
-        ds = sk.NewtonEulerDS([0, 0, 0, *UNIT], np.zeros(6), 1.0, np.ones(3))
-        sk.NonSmoothDynamicalSystem([ds]).link(
-            sk.Interaction(sk.LagrangianLinearTIR([[1, 0, 0, 0, 0, 0]]), sk.NewtonImpactNSL(0.0)), ds
-        )
+        system.link(line, ds)
 
 
 # ---- Geometry that moves

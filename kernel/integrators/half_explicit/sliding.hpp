@@ -8,9 +8,9 @@ namespace saltus {
 /// The contact problem of a half-explicit row where contacts slide in space. Friction that lasts acts against
 /// the direction in which a contact slides at the stage of the multiplier,
 ///   λ_T = −μ λ_N d,   d = γ_T / |γ_T| at that stage,
-/// like all other forces of that stage. (70) takes d at the end of the row, which costs schemes all orders above
-/// the first where d turns; in the plane d cannot turn. (70) remains where a contact does not slide at the
-/// stage, or would lose half of its speed within the row: it must be able to stop.
+/// like all other forces of that stage. (70) takes d at the end of the row, which costs schemes all orders
+/// above the first where d turns; in the plane d cannot turn. (70) remains where a contact does not slide at
+/// the stage, or would lose half of its speed within the row: it must be able to stop.
 class Sliding {
  public:
   explicit Sliding(std::shared_ptr<const Layout> layout);
@@ -22,10 +22,10 @@ class Sliding {
 
  private:
   struct Slide {
-    int row;         // its first in the contact problem
-    int set;         // among the laws
+    int row;  // its first in the contact problem
+    int set;  // among the laws
     double mu;
-    double speed;    // |γ_T| at the stage [m/s]
+    double speed;  // |γ_T| at the stage [m/s]
     double d[2];
   };
   void reduce(const ContactProblem& problem, const PoolVec& P);
@@ -34,7 +34,7 @@ class Sliding {
 
   std::shared_ptr<const Layout> layout_;
   std::vector<Slide> slides_;
-  ContactProblem reduced_;      // of these the normal rows alone
+  ContactProblem reduced_;  // of these the normal rows alone
   PoolVec reduced_P_;
   std::vector<int> column_;     // of the reduced problem, of each row of the problem
   std::vector<double> factor_;  // P of a row over that of its column
