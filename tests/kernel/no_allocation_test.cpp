@@ -12,6 +12,7 @@
 #include "saltus/numerics/solvers/registry.hpp"
 #include "slider_crank/slider_crank.hpp"
 #include "support/bar.hpp"
+#include "support/body_models.hpp"
 #include "support/complementarity.hpp"
 #include "support/models.hpp"
 #include "support/runs.hpp"
@@ -178,6 +179,15 @@ TEST_P(NoAllocation, ForceElements) {
   const Counted counted = count_in(model, *make_scheme(GetParam()), 1e-3, 0, 1500);
   EXPECT_EQ(counted.allocations, 0);
   EXPECT_GT(counted.impacts, 5);
+}
+
+// A quaternion, a joint, and friction in space whose direction turns.
+TEST_P(NoAllocation, BodiesInSpace) {
+  EXPECT_EQ(count_in(make_top(), *make_scheme(GetParam()), 1e-3, 0, 200).allocations, 0);
+  const auto skid = make_skidding_body(mu_taken_by(GetParam(), 0.1));
+  const Counted counted = count_in(skid, *make_scheme(GetParam()), 1e-3, 0, 50);
+  EXPECT_EQ(counted.allocations, 0);
+  EXPECT_EQ(counted.closed, 50);
 }
 
 // Contact at the end of a bar with sparse matrices.
