@@ -20,7 +20,7 @@ struct KluFactor::Klu {
   Klu& operator=(const Klu&) = delete;
 };
 
-KluFactor::KluFactor() : klu_(std::make_unique<Klu>()) {}
+KluFactor::KluFactor(double diagonal) : klu_(std::make_unique<Klu>()) { klu_->common.tol = diagonal; }
 KluFactor::~KluFactor() = default;
 
 // What is rows to us is columns to KLU: it factorises Aᵀ and solves the transposed system.
@@ -38,6 +38,17 @@ bool KluFactor::factorise(std::span<const int> start, std::span<const int> colum
   auto* values = const_cast<double*>(value.data());  // KLU only reads them
   klu_->numeric = klu_factor(start_.data(), column_.data(), values, klu_->symbolic, common);
   if (!klu_->numeric) return false;
+  if (klu_flops(klu_->symbolic, klu_->numeric, common)) work_ += common->flops;
+  return true;
+}
+
+bool KluFactor::factorise_again(std::span<const double> value) {
+  if (!klu_->numeric) return false;
+  klu_common* common = &klu_->common;
+  auto* values = const_cast<double*>(value.data());
+  if (!klu_refactor(start_.data(), column_.data(), values, klu_->symbolic, klu_->numeric, common) ||
+      common->status != KLU_OK)
+    return false;
   if (klu_flops(klu_->symbolic, klu_->numeric, common)) work_ += common->flops;
   return true;
 }

@@ -37,6 +37,8 @@ void Automatic::reserve(int rows) {
   sweeps_P_.reserve(rows);
   xi_.reserve(rows);
   part_P_.reserve(rows);
+  rigid_.reserve(rows);
+  interior_.reserve(rows);
   proximal_.reserve(rows);
   components_.reserve(rows);
 }
@@ -66,7 +68,7 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
     const ContactProblem& part = components_.part(problem, k, sparse);
     part_P_.resize(rows);
     components_.gather(k, P, part_P_.data());
-    SolveReport of_part = sparse ? proximal_.solve(part, part_P_.data()) : solve_dense(part, part_P_.data());
+    SolveReport of_part = sparse ? solve_large(part, part_P_.data()) : solve_dense(part, part_P_.data());
     if (of_part.status != SolveStatus::solved && sparse && (rows <= most_last_rows || !problem.is_sparse())) {
       report.iterations += of_part.iterations;
       of_part = solve_dense(components_.part(problem, k, false), part_P_.data());
@@ -83,6 +85,18 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
     report.status = SolveStatus::solved;
   else if (report.status == SolveStatus::solved)
     report.status = SolveStatus::breakdown;
+  return report;
+}
+
+// Where hardly anything changes, two of Newton's iterations from the warm start are enough.
+SolveReport Automatic::solve_large(const ContactProblem& problem, double* P) {
+  int iterations = 0;
+  SolveReport report;
+  for (ContactSolver* method : std::initializer_list<ContactSolver*>{&rigid_, &interior_, &proximal_}) {
+    report = method->solve(problem, P);
+    report.iterations = iterations += report.iterations;
+    if (report.status == SolveStatus::solved) break;
+  }
   return report;
 }
 

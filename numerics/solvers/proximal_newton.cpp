@@ -9,7 +9,6 @@
 namespace saltus {
 namespace {
 
-constexpr int most_iterations = 2000;     // of Newton's method, together
 constexpr double most_operations = 3e10;  // of their factorisations: some ten seconds
 constexpr double most_growth = 1e8;       // of the terms in ξ, while the residual stays
 constexpr int most_of_one = 12;           // for one P₀
@@ -70,7 +69,7 @@ SolveReport ProximalNewton::solve(const ContactProblem& problem, double* P) {
   // Most problems are solved as if contacts were rigid, from a good start or where nothing is in doubt.
   hardness_ = rigid;
   const double most_work = linear_.work() + most_operations;
-  while (!report.certificate.within(problem.tolerance) && report.iterations < most_iterations &&
+  while (!report.certificate.within(problem.tolerance) && report.iterations < iterations_ &&
          linear_.work() < most_work) {
     int iterations = 0;
     const bool solved = solve_compliant(problem, near * report.certificate.residual, iterations);
@@ -134,7 +133,7 @@ bool ProximalNewton::solve_compliant(const ContactProblem& problem, double bound
   double size = project(problem, y_, P_);
   bound = std::max(bound, rounding * scale) * std::sqrt(static_cast<double>(problem.rows()));
   for (; size > bound; ++iterations)
-    if (iterations == most_of_one || !improve(problem, size)) return false;
+    if (iterations == std::min(most_of_one, iterations_) || !improve(problem, size)) return false;
   return true;
 }
 

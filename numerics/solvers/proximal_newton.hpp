@@ -18,12 +18,16 @@ namespace saltus {
 /// exact. Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898.
 class ProximalNewton final : public ContactSolver {
  public:
+  /// @param iterations  of Newton's method, together
+  explicit ProximalNewton(int iterations = 2000) : iterations_(iterations) {}
   std::string_view name() const override { return "proximal-newton"; }
   bool accepts(const ContactProblem&) const override { return true; }
   bool takes_sparse() const override { return true; }
   void reserve(int rows) override;
   SolveReport solve(const ContactProblem& problem, double* P) override;
-  std::unique_ptr<ContactSolver> clone() const override { return std::make_unique<ProximalNewton>(); }
+  std::unique_ptr<ContactSolver> clone() const override {
+    return std::make_unique<ProximalNewton>(iterations_);
+  }
 
  private:
   struct Contact {
@@ -49,6 +53,7 @@ class ProximalNewton final : public ContactSolver {
   void add(int unknown, double value);
   void take_solution(const ContactProblem& problem, const double* unknowns);
 
+  int iterations_;
   double hardness_ = 1.0;  // ρ
   std::vector<Contact> contacts_;
   std::vector<int> contact_of_;  // of each row

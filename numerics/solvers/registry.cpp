@@ -3,6 +3,7 @@
 #include "saltus/numerics/registry.hpp"
 #include "saltus/numerics/solvers/automatic.hpp"
 #include "saltus/numerics/solvers/globalised_newton.hpp"
+#include "saltus/numerics/solvers/interior_point.hpp"
 #include "saltus/numerics/solvers/lemke.hpp"
 #include "saltus/numerics/solvers/prox_fixed_point.hpp"
 #include "saltus/numerics/solvers/proximal_newton.hpp"
@@ -30,6 +31,7 @@ Registry<SolverEntry>& table() {
           {"proximal-newton",
            "proximal point iterations, each solved by Newton's method with sparse equations",
            make<ProximalNewton>},
+          {"interior-point", "primal-dual interior-point method with sparse equations", make<InteriorPoint>},
           {"prox-fixed-point", "projected sweeps, P <- prox(P - r xi), steps adapt to the residual",
            make<ProxFixedPoint>},
           {"pgs", "projected Gauss-Seidel, row by row", [] { return std::make_unique<Psor>(1.0); }},

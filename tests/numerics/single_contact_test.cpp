@@ -76,7 +76,8 @@ Case coupled_slip() {
 
 // Those that come near a solution step by step stop at their tolerance, the others at rounding.
 double accuracy(const std::string& solver) {
-  const bool stepwise = solver == "prox-fixed-point" || solver == "proximal-newton" || solver == "psor";
+  const bool stepwise = solver == "prox-fixed-point" || solver == "proximal-newton" ||
+                        solver == "interior-point" || solver == "psor";
   return stepwise ? 1e-11 : 1e-13;
 }
 

@@ -56,7 +56,7 @@ def test_a_dumped_problem_stays_sparse(tmp_path):
     assert isinstance(problem.W, sparse.csr_array)
     answer = problem.solve(tolerance=1e-8)
     assert answer.status == "solved"
-    assert answer.solver == "proximal-newton"
+    assert answer.solver == "interior-point"
     assert problem.residual(answer.solution) <= 1e-8
 
 
@@ -76,7 +76,7 @@ def test_solvers_of_dense_problems_get_a_dense_copy():
     M = sparse.diags_array([-np.ones(n - 1), 2.5 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
     q = np.where(np.arange(n) % 3 == 0, -1.0, 0.5)
     expected = numerics.lcp(M.toarray(), q, solver="lemke").solution
-    for solver in ("lemke", "auto", "proximal-newton", "nsgs"):
+    for solver in ("lemke", "auto", "proximal-newton", "interior-point", "nsgs"):
         answer = numerics.lcp(M, q, solver=solver)
         assert answer.status == "solved", solver
         np.testing.assert_allclose(answer.solution, expected, atol=1e-10)
