@@ -1,6 +1,6 @@
 """Measure whether an integrator does what its line in the table says, and the figures to choose it by.
 
-Against its properties: orders in free motion, under a bilateral constraint and in sliding friction, from
+Against its properties: orders in free motion, under bilateral constraints and in sliding friction, from
 slopes over several Δt against independent solutions; Newton's impact law, in one long fall and in 1000 phases
 of a step; a ball at rest; equal runs to the last bit; refusal of friction where it is not taken. Without a
 verdict: the stability limit, and the known defects of such schemes, unless an option mends them. For
@@ -19,6 +19,7 @@ from saltus.conformance.measure import (
     FREE_STEPS,
     Finding,
     impact_law,
+    in_space,
     orders,
     phases,
     refusal,
@@ -66,6 +67,7 @@ def findings(spec: str) -> Iterator[Finding]:
     free, swing = exact_double_pendulum(0.5), exact_swing(0.0, RADIUS, 0.25)
     yield from orders("free motion", claims["order_free"], make, double_pendulum, free, 0.5, FREE_STEPS)
     yield from orders("bilateral constraint", claims["order_bilateral"], make, pendulum, swing, 0.25)
+    yield from in_space(claims["order_bilateral"], make)
     if claims["friction"]:
         yield from orders(
             "sliding", claims["order_sliding"], make, bowl, exact_swing(MU, SUNKEN, SLIDE), SLIDE

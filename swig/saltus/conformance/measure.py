@@ -11,7 +11,7 @@ import numpy as np
 
 import saltus.kernel as sk
 from saltus import _core
-from saltus.conformance.models import GRAVITY, ball, bowl, oscillator
+from saltus.conformance.models import GRAVITY, ball, bowl, exact_top, oscillator, top
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
@@ -89,6 +89,15 @@ def orders(
     """The slopes against the claim."""
     for symbol, order in slopes(make, build, exact, until, coarsest.get(claim, STEPS)):
         yield Finding(f"order of {symbol}, {what}", order, f">= {claim - SLACK:.1f}", order >= claim - SLACK)
+
+
+def in_space(claim: int, make: Callable[[], sk.OneStepIntegrator]) -> Iterator[Finding]:
+    """Orders of a body in space on a joint, if the scheme takes velocities that are not q̇."""
+    what, until = "top on a ball joint", 0.2
+    try:
+        yield from orders(what, claim, make, top, exact_top(until), until, {3: 100, 4: 100, 5: 20})
+    except ValueError as error:
+        yield Finding(what, float("nan"), note=f"refused: {error}")
 
 
 # ---- Impacts

@@ -21,6 +21,9 @@ MU = 0.3
 SLIDE = 0.2  # while a point slides in the bowl: at 0.25 s it nearly stands still [s]
 SLEDGE = [0.3, 0.0, 1.0, 2.0]  # x, y [m], their rates [m/s]
 SPRINGS = [20.0, 60.0]  # along x and y [N/m]
+TOP_INERTIA = np.array([0.05, 0.06, 0.02])  # about its centre of mass [kg m²]
+TOP_ARM = np.array([0.0, 0.0, 0.5])  # from the tip to there [m]
+TOP_START = np.array([cos(0.2), sin(0.2), 0.0, 0.0, 0.5, -0.3, 25.0])  # quaternion, Ω [rad/s]
 
 
 def ball(height: float, restitution: float, velocity: float = 0.0) -> sk.NonSmoothDynamicalSystem:
@@ -192,3 +195,36 @@ def _integrate(
 ) -> FloatArray:
     solution = solve_ivp(rates, (0.0, until), start, method="DOP853", rtol=1e-13, atol=1e-13)
     return np.asarray(solution.y[:, -1], dtype=np.float64)
+
+
+def top() -> sk.NonSmoothDynamicalSystem:
+    """A heavy top, a body in space whose tip a ball joint holds at the origin."""
+    q, v = _top_state(TOP_START)
+    body = sk.NewtonEulerDS(q, v, 1.0, TOP_INERTIA, force=[0.0, 0.0, -GRAVITY])
+    system = sk.NonSmoothDynamicalSystem([body])
+    tip = sk.Joint.ball(body, at=[0.0, 0.0, 0.0])
+    system.link(sk.Interaction(tip, sk.EqualityConditionNSL(tip.size), name="tip"), body)
+    return system
+
+
+def exact_top(until: float) -> tuple[FloatArray, FloatArray]:
+    """Its q and v by Euler's equations about the tip."""
+    about_tip = TOP_INERTIA + (TOP_ARM @ TOP_ARM - TOP_ARM**2)
+
+    def rates(t: float, y: FloatArray) -> FloatArray:
+        (w, x), omega = (y[0], y[1:4]), y[4:]
+        weight = sk.rotation_matrix(y[:4]).T @ [0.0, 0.0, -GRAVITY]
+        moment = np.cross(TOP_ARM, weight) - np.cross(omega, about_tip * omega)
+        return np.concatenate(
+            [[-x @ omega / 2], (w * omega + np.cross(x, omega)) / 2, moment / about_tip]  # ½ p ∘ (0, Ω)
+        )
+
+    end = solve_ivp(rates, (0.0, until), TOP_START, method="DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
+    return _top_state(end)
+
+
+def _top_state(y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Position and velocity of the body with attitude and angular velocity y = (p, Ω)."""
+    rotation, omega = sk.rotation_matrix(y[:4]), y[4:]
+    v = np.concatenate([rotation @ np.cross(omega, TOP_ARM), omega])
+    return np.concatenate([rotation @ TOP_ARM, y[:4]]), v
