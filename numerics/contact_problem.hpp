@@ -36,6 +36,7 @@ struct ContactProblem {
   std::vector<ContactSet> sets;  ///< in the order of the rows
   double tolerance = default_tolerance;  ///< bound on residual/scale of a Certificate that counts as solved
   SparseRows sparse = {};                ///< G where it has few entries; has no rows if G is dense
+  bool brief = false;                    ///< there is another way: no search where Newton's method fails
 
   bool is_sparse() const { return !sparse.empty(); }
   int rows() const { return b.size(); }

@@ -12,6 +12,7 @@ constexpr int most_rounds = 50;
 constexpr int most_reserved_rows =
     256;  // of dense methods, whose storage is their square: beyond, it grows when needed
 constexpr int most_dense_rows = 48;  // of a component: beyond, sparse equations are cheaper
+constexpr int few_rows = 24;         // up to these, methods that allocate come last
 constexpr int most_last_rows =
     600;  // where these fail, dense methods are the last resort; for a dense G at any size
 // Of the rounds together, counted in operations of Newton's method: seconds, where small problems take all
@@ -69,13 +70,15 @@ SolveReport Automatic::solve_components(const ContactProblem& problem, double* P
     part_P_.resize(rows);
     components_.gather(k, P, part_P_.data());
     SolveReport of_part = sparse ? solve_large(part, part_P_.data()) : solve_dense(part, part_P_.data());
-    if (of_part.status != SolveStatus::solved && sparse && (rows <= most_last_rows || !problem.is_sparse())) {
+    const bool last = rows <= most_last_rows || !problem.is_sparse();
+    if (of_part.status != SolveStatus::solved && sparse && last && !problem.brief) {
       report.iterations += of_part.iterations;
       of_part = solve_dense(components_.part(problem, k, false), part_P_.data());
     }
     components_.scatter(k, part_P_.data(), P);
     report.iterations += of_part.iterations;
     if (of_part.status != SolveStatus::solved) report.status = of_part.status;
+    if (of_part.status != SolveStatus::solved && problem.brief) break;
     if (rows > largest) report.solver = of_part.solver;
     largest = std::max(largest, rows);
   }
@@ -95,7 +98,7 @@ SolveReport Automatic::solve_large(const ContactProblem& problem, double* P) {
   for (ContactSolver* method : std::initializer_list<ContactSolver*>{&rigid_, &interior_, &proximal_}) {
     report = method->solve(problem, P);
     report.iterations = iterations += report.iterations;
-    if (report.status == SolveStatus::solved) break;
+    if (report.status == SolveStatus::solved || problem.brief) break;
   }
   return report;
 }
@@ -119,12 +122,23 @@ SolveReport Automatic::solve_dense(const ContactProblem& problem, double* P) {
     }
     return best.status == SolveStatus::solved;
   };
+  if (problem.brief) {
+    std::fill_n(trial_.data(), rows, 0.0);
+    if (!cold) improved_by(newton_, trial_.data());
+    return best;
+  }
   for (ContactSolver* method :
        std::initializer_list<ContactSolver*>{&newton_, &enumeration_, &lemke_, &subsets_}) {
     if (cold && method == &newton_) continue;  // it was just that
     std::fill_n(trial_.data(), rows, 0.0);
     if (method->accepts(problem) && improved_by(*method, trial_.data())) return best;
   }
+  auto improved_by_barrier = [&] {
+    std::fill_n(trial_.data(), rows, 0.0);
+    return improved_by(interior_, trial_.data());
+  };
+  const bool few = rows <= few_rows, many = rows > most_dense_rows;  // of many it was tried before
+  if (!few && !many && improved_by_barrier()) return best;
   // Sweeps come near a solution, Newton's method makes it exact.
   auto improved_by_both = [&](ContactSolver& method) {
     if (improved_by(method, sweeps_P_.data())) return true;
@@ -136,6 +150,7 @@ SolveReport Automatic::solve_dense(const ContactProblem& problem, double* P) {
   std::fill_n(sweeps_P_.data(), rows, 0.0);
   for (int round = 0; round < rounds(rows); ++round)
     if (improved_by_both(sweeps_)) return best;
+  if (few && improved_by_barrier()) return best;  // its equations are sparse ones
   if (ray) best.status = SolveStatus::ray;  // says more than that the iterations of the others are used up
   return best;
 }

@@ -12,12 +12,12 @@ namespace saltus {
 
 /// The default: one contact in closed form, several by Newton's method from the warm start. If that ends
 /// nowhere, in turn: Newton from P = 0, enumeration and Lemke's method where friction is plane, Newton on
-/// subsets of the contacts, the prox fixed point and Newton from its end, Gauss-Seidel sweeps and Newton
-/// alternating. Problems with sparse rows or many are taken apart first: every component with few rows goes
-/// that way, those with many to the proximal point method for two iterations, then to the interior-point
-/// method, at last to the proximal point method for as long as it takes. The report names the method that
-/// answered (the one of the largest component); a failure keeps the P with the smallest residual, and is a
-/// ray if Lemke's method ended in one.
+/// subsets of the contacts, the interior-point method, the prox fixed point and Newton from its end,
+/// Gauss-Seidel sweeps and Newton alternating. Problems with sparse rows or many are taken apart first: every
+/// component with few rows goes that way, those with many to the proximal point method for two iterations,
+/// then to the interior-point method, at last to the proximal point method for as long as it takes. The
+/// report names the method that answered (the one of the largest component); a failure keeps the P with the
+/// smallest residual, and is a ray if Lemke's method ended in one.
 class Automatic final : public ContactSolver {
  public:
   std::string_view name() const override { return "auto"; }

@@ -57,6 +57,7 @@ int Components::find(const ContactProblem& problem) {
 const ContactProblem& Components::part(const ContactProblem& problem, int component, bool sparse) {
   const int count = rows(component);
   part_.tolerance = problem.tolerance;
+  part_.brief = problem.brief;
   part_.sets.clear();
   for (int k = contacts_.start[component]; k < contacts_.start[component + 1]; ++k)
     part_.sets.push_back(problem.sets[contacts_.members[k]]);

@@ -7,7 +7,7 @@ namespace saltus {
 namespace {
 
 constexpr double none_in_tolerances = 1e3;  // what counts as no speed
-constexpr double least_kept = 0.5;          // of the speed, to go on sliding
+constexpr double least_kept = 0.1;          // of the speed, to go on sliding
 constexpr int reserved_rows = 64;           // of a dense G; beyond, it grows when it is first needed
 
 }  // namespace
@@ -17,6 +17,7 @@ Sliding::Sliding(std::shared_ptr<const Layout> layout) : layout_(std::move(layou
   slides_.reserve(layout_->contacts.size());
   gamma_.resize(layout_->most_rows);
   reduced_.tolerance = layout_->tolerance;
+  reduced_.brief = true;
   reduced_.G.reserve(std::min(rows, reserved_rows), std::min(rows, reserved_rows));
   reduced_.b.reserve(rows);
   reduced_.sets.reserve(rows);

@@ -9,8 +9,8 @@ namespace saltus {
 /// the direction in which a contact slides at the stage of the multiplier,
 ///   λ_T = −μ λ_N d,   d = γ_T / |γ_T| at that stage,
 /// like all other forces of that stage. (70) takes d at the end of the row, which costs schemes all orders
-/// above the first where d turns; in the plane d cannot turn. (70) remains where a contact does not slide at
-/// the stage, or would lose half of its speed within the row: it must be able to stop.
+/// above the first where d turns; in the plane d cannot turn. (70) remains where a contact would lose nine
+/// tenths of its speed within the row, so that it can stop, and where no such forces are found at once.
 class Sliding {
  public:
   explicit Sliding(std::shared_ptr<const Layout> layout);

@@ -11,7 +11,16 @@ import numpy as np
 
 import saltus.kernel as sk
 from saltus import _core
-from saltus.conformance.measure import SLACK, STEPS, SWING_STEPS, Finding, end, slope, slopes
+from saltus.conformance.measure import (
+    SLACK,
+    STEPS,
+    SWING_STEPS,
+    TURN_STEPS,
+    Finding,
+    end,
+    slope,
+    slopes,
+)
 from saltus.conformance.models import (
     GRAVITY,
     MU,
@@ -60,7 +69,7 @@ def defects(
     else:
         what, build, exact = "lasting contact", smooth_bowl, exact_swing(0.0, SUNKEN, 0.25)
         expected = ""
-    for symbol, order in slopes(make, build, exact, 0.25, SWING_STEPS.get(order_sliding, STEPS)):
+    for symbol, order in slopes(make, build, exact, 0.25, TURN_STEPS.get(order_sliding, STEPS)):
         ok = not expected or order >= order_sliding - SLACK
         yield Finding(f"order of {symbol}, {what}", order, expected, ok)
     if forces:
