@@ -20,6 +20,7 @@ from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
 from saltus.examples.impact_oscillator import impact_oscillator
 from saltus.examples.newtons_cradle import newtons_cradle
+from saltus.examples.rocking_block import rocking_block
 from saltus.examples.slider_crank import slider_crank
 
 
@@ -122,6 +123,13 @@ MODELS = {
             ball_on_string.TIME_STEP,
             1.3,
             bench_steps=5_000,
+        ),
+        Example(
+            "rocking-block",
+            "a block that rocks from corner to corner until it stands still at 1.04 s",
+            rocking_block.build,
+            rocking_block.TIME_STEP,
+            1.5,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""A rocking block: corners that take turns, Housner's impact, tipping over."""
