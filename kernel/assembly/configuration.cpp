@@ -205,10 +205,14 @@ void Configuration::velocity_of_work(int contact, const Vec& v, double* gamma) {
 
 double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt) {
   double size = 0.0;
-  for_jacobian(contact, 0, [&](double entry, int freedom) {
-    size += std::abs(entry) * (std::abs(v[freedom]) + dt * std::abs(a[freedom]));
-  });
-  if (layout_->contacts[contact].rheonomous) size += std::abs(motion(contact)[0]);
+  const auto& slot = layout_->contacts[contact];
+  for (int row = 0; row < slot.gaps; ++row) {  // of a joint the largest: nothing may move along the others
+    double own = slot.rheonomous ? std::abs(motion(contact)[row]) : 0.0;
+    for_jacobian(contact, row, [&](double entry, int freedom) {
+      own += std::abs(entry) * (std::abs(v[freedom]) + dt * std::abs(a[freedom]));
+    });
+    size = std::max(size, own);
+  }
   return layout_->tolerance * size;
 }
 
