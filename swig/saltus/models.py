@@ -18,6 +18,7 @@ from saltus.examples.ball_on_string import ball_on_string
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
+from saltus.examples.heavy_top import heavy_top
 from saltus.examples.impact_oscillator import impact_oscillator
 from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.rocking_block import rocking_block
@@ -130,6 +131,14 @@ MODELS = {
             rocking_block.build,
             rocking_block.TIME_STEP,
             1.5,
+        ),
+        Example(
+            "heavy-top",
+            "a top that precesses and nods on a ball joint, a rigid body in space",
+            heavy_top.build,
+            heavy_top.TIME_STEP,
+            1.0,
+            "HalfExplicitRungeKuttaOSI(tableau=HEM5)@1e-4",
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),
