@@ -22,6 +22,7 @@ from saltus.examples.heavy_top import heavy_top
 from saltus.examples.impact_oscillator import impact_oscillator
 from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.rocking_block import rocking_block
+from saltus.examples.rolling_sphere import rolling_sphere
 from saltus.examples.slider_crank import slider_crank
 
 
@@ -139,6 +140,13 @@ MODELS = {
             heavy_top.TIME_STEP,
             1.0,
             "HalfExplicitRungeKuttaOSI(tableau=HEM5)@1e-4",
+        ),
+        Example(
+            "rolling-sphere",
+            "a sphere with spin that slides on a plane, and rolls from 0.62 s on",
+            rolling_sphere.build,
+            rolling_sphere.TIME_STEP,
+            1.0,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

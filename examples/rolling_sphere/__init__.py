@@ -1,0 +1,1 @@
+"""A sphere that slides and then rolls, and an oblique impact."""
