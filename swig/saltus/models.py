@@ -6,6 +6,7 @@ import os
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import pi
 from numbers import Real
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +17,7 @@ from saltus._core import NonSmoothDynamicalSystemBase
 from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.ball_on_string import ball_on_string
 from saltus.examples.bouncing_ball import bouncing_ball
+from saltus.examples.chain_of_bodies import chain_of_bodies
 from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
 from saltus.examples.heavy_top import heavy_top
@@ -147,6 +149,14 @@ MODELS = {
             rolling_sphere.build,
             rolling_sphere.TIME_STEP,
             1.0,
+        ),
+        Example(
+            "chain-of-bodies",
+            "ten rods in space under ball joints, let go from the horizontal",
+            lambda: chain_of_bodies.build(angles=pi / 2),
+            chain_of_bodies.TIME_STEP,
+            1.0,
+            bench_steps=4_000,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""A chain of rigid bodies under ball joints."""
