@@ -26,6 +26,7 @@ from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.rocking_block import rocking_block
 from saltus.examples.rolling_sphere import rolling_sphere
 from saltus.examples.slider_crank import slider_crank
+from saltus.examples.woodpecker import woodpecker
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,13 @@ MODELS = {
             chain_of_bodies.TIME_STEP,
             1.0,
             bench_steps=4_000,
+        ),
+        Example(
+            "woodpecker",
+            "the woodpecker toy on its limit cycle of 0.146 s, five impacts a period",
+            woodpecker.build,
+            woodpecker.TIME_STEP,
+            1.0,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

@@ -1,0 +1,1 @@
+"""The woodpecker toy: a limit cycle of sticking, sliding and impacts."""
