@@ -18,6 +18,7 @@ from saltus.examples.ball_in_box import ball_in_box
 from saltus.examples.ball_on_string import ball_on_string
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.chain_of_bodies import chain_of_bodies
+from saltus.examples.disc_pile import disc_pile
 from saltus.examples.dry_friction import dry_friction
 from saltus.examples.elastic_bar import elastic_bar
 from saltus.examples.heavy_top import heavy_top
@@ -165,6 +166,14 @@ MODELS = {
             woodpecker.build,
             woodpecker.TIME_STEP,
             1.0,
+        ),
+        Example(
+            "disc-pile",
+            "16 discs that fall into a container and lie still after 1 s, 168 contacts",
+            disc_pile.build,
+            disc_pile.TIME_STEP,
+            1.5,
+            bench_steps=2_000,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

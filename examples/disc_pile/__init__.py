@@ -1,0 +1,1 @@
+"""A pile of discs: contacts of rolling bodies that come and go."""
