@@ -259,6 +259,14 @@ def test_a_sphere_on_a_rising_floor_of_its_own_geometry():
     assert run["floor"].force[1:, 0] == pytest.approx(2.0 * (GRAVITY + 1.0), rel=1e-10)
 
 
+def test_a_line_in_the_plane_has_a_normal_in_the_plane():
+    disc = sk.LagrangianLinearTIDS(np.zeros(3), np.zeros(3), np.eye(3))
+    system = sk.NonSmoothDynamicalSystem([disc])
+    floor = sk.SpherePlane(2, radius=0.1, point=[0, 0, 0], normal=[0, 0, 2])
+    with pytest.raises(ValueError, match="normal of a line in the plane must have z = 0, got 1 at length 1"):
+        system.link(sk.Interaction(floor, sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.3, 2)), disc)
+
+
 def test_bad_motions_are_refused():
     line = sk.LagrangianLinearTIR([[1.0]])
     with pytest.raises(ValueError, match="does not depend on the time"):

@@ -70,6 +70,13 @@ SpherePlane::SpherePlane(int size, double radius, const Vec3& centre, const Vec3
   normal_.normalize();
 }
 
+void SpherePlane::require_dimensions(int coordinates, int freedoms) const {
+  BodyContact::require_dimensions(coordinates, freedoms);
+  if (coordinates == freedoms && normal_[2] != 0.0)
+    throw std::invalid_argument("normal of a line in the plane must have z = 0, got " + number(normal_[2]) +
+                                " at length 1");
+}
+
 Closest SpherePlane::closest(const BodyPair& bodies) const {
   const Vec3 n = bodies.b.R * normal_, centre = bodies.a.in_space(centre_);
   const double height = n.dot(centre - bodies.b.in_space(point_));

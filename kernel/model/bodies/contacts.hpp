@@ -36,6 +36,8 @@ class SpherePlane final : public BodyContact {
   /// @param normal  of the plane likewise, of any length but 0, towards the sphere
   /// @throws std::invalid_argument if a value is wrong
   SpherePlane(int size, double radius, const Vec3& centre, const Vec3& point, const Vec3& normal);
+  /// @throws std::invalid_argument also if a plane body is given a normal that leaves the plane
+  void require_dimensions(int coordinates, int freedoms) const override;
   Closest closest(const BodyPair& bodies) const override;
   void curvature(const In& q, const In& v, Out c) const override;
   bool has_curvature() const override { return size() == 1; }
