@@ -30,8 +30,8 @@ The angular momentum about the new corner is kept, the old one opens without an 
 
     ω⁺ = r ω⁻,    r = 1 − (3/2) sin² a,    Λ_T/Λ_N = 3 sin a cos a/(4 − 3 sin² a) <= μ.
 
-If r <= 0, tan a >= √2, the block stops at once, on both corners. Else cos(a − θ) − cos a falls by r² from
-turn to turn. Near the end θ does, and times by r: it stands still after finite time.
+If r <= 0, tan a >= √2, the block stops at once, on both corners. Else cos(a − θ) − cos a is multiplied by r²
+from turn to turn. Near the end so is θ, and the times by r: it stands still after finite time.
 
 4. Run it
 ---------

@@ -14,8 +14,8 @@ and Coulomb's law in space is λ_T = −μ λ_N u/|u| while it slides, |λ_T| <=
 
 2. Sliding
 ----------
-A tangential force changes u by 7/2 of what it changes ẋ: m ẋ˙ = λ_T, I ω̇ = −R n × λ_T, hence
-u̇ = (7/2) λ_T/m, against u: its direction stays. So the centre runs along a parabola,
+A tangential force changes u by 7/2 of what it changes ẋ: with m ẍ_T = λ_T and I ω̇ = −R n × λ_T it is
+u̇ = (7/2) λ_T/m, against u, whose direction stays. So the centre runs along a parabola,
 
     x = x_0 + v_0 t − ½ μ γ t² u_0/|u_0|,    until  t = 2 |u_0|/(7 μ γ),
 
@@ -36,10 +36,10 @@ It falls with v_N < 0 and slip u_T. With Newton's ε and ε_T = 0 the impulses a
 
 4. Run it
 ---------
-Run this file to see both. Without english, the spin across the velocity, every scheme has v exactly: the
-force is constant. With it Ω, in a frame that turns by 0.1 rad a step, is not, and v has an error of Δt²,
-4e-4 m/s at 1 ms; Moreau-Jean, which takes W at the end of the step alone, one of Δt, 1.7e-2 m/s. The explicit
-Moreau-Jean scheme keeps the angular momentum to rounding, W and rotation being those of the same instant.
+Run this file to see both. With topspin or backspin alone every scheme has v exactly: the motion is plane and
+the force constant. With english, spin about other axes, the moment turns in the frame of Ω by 0.1 rad a step,
+and v has an error of Δt², 4e-4 m/s at 1 ms; Moreau-Jean, which takes W at the end of the step alone, one of
+Δt, 1.7e-2 m/s. The explicit Moreau-Jean scheme has v to rounding, though not q.
 """
 
 from __future__ import annotations

@@ -35,8 +35,8 @@ deviations alternate and shrink by a sixth a period. `phases.py` computes P by d
 4. Run it
 ---------
 Run this file to see periods and drops. A run starts where the edge begins to slide, with the u of the cycle.
-Impacts, five a period, have errors of Δt; `impulsive_substeps` makes them ten times smaller, and Moreau-Jean,
-which takes all forces for impulses, has them throughout.
+Impacts, five a period, have errors of Δt, smaller ones with `impulsive_substeps`. Periods and drops of a run
+alternate about those of the cycle: that is the slope.
 """
 
 from __future__ import annotations
