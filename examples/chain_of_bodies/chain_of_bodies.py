@@ -41,7 +41,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
-from scipy.linalg import eigh
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
@@ -94,9 +93,9 @@ def modes(n: int) -> tuple[FloatArray, FloatArray]:
     """Frequencies of small oscillations (n,) [rad/s], the slowest first, and angles as columns (n, n)."""
     i = np.arange(n)
     M = MASS * LENGTH**2 * (n - np.maximum.outer(i, i) - 0.5 - np.eye(n) / 6)
-    K = np.diag(MASS * GRAVITY * LENGTH * (n - i - 0.5))
-    squares, angles = eigh(K, M)
-    return np.sqrt(squares), angles
+    scale = 1 / np.sqrt(MASS * GRAVITY * LENGTH * (n - i - 0.5))  # K^(-1/2): K is diagonal
+    inverses, angles = np.linalg.eigh(scale * M * scale[:, None])
+    return 1 / np.sqrt(inverses[::-1]), scale[:, None] * angles[:, ::-1]
 
 
 def step_cost(n: int, steps: int = 100) -> float:

@@ -40,7 +40,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
-from scipy.integrate import solve_ivp
 
 if TYPE_CHECKING:
     from saltus.io import Trajectory
@@ -112,6 +111,8 @@ def euler(t: float, state: FloatArray) -> FloatArray:
 
 def reference(times: FloatArray, precession: float = 0.0) -> Motion:
     """Solve Euler's equations with a relative tolerance of 1e-13, at these times [s]."""
+    from scipy.integrate import solve_ivp  # slow to import, and not needed to run the model
+
     p = [cos(TILT / 2), sin(TILT / 2), 0.0, 0.0]
     solution = solve_ivp(
         euler,
