@@ -203,8 +203,8 @@ Laws natural_map(const ContactProblem& problem, const double* P) {
   for (const ContactSet& set : problem.sets) {
     const int rows = rows_of(set);
     Long force[3] = {}, entry = std::abs(xi[row]);
+    const Long d = scale_of(problem, row, rows);
     if (!std::holds_alternative<Equality>(set)) {
-      const Long d = scale_of(problem, row, rows);
       for (int k = 0; k < rows; ++k) {
         force[k] = d * P[row + k];
         laws.forces = std::max(laws.forces, std::abs(force[k]));
@@ -213,7 +213,8 @@ Laws natural_map(const ContactProblem& problem, const double* P) {
     }
     laws.residual = std::max(laws.residual, entry);
     if (const auto* law = std::get_if<Coulomb>(&set)) {
-      const Long radius = law->mu * std::max(force[0], 0.0L);
+      const double pressing = static_cast<double>(d) * std::max(P[row], 0.0);  // may be too small for double
+      const Long radius = law->mu * Long(pressing);
       laws.residual = std::max(laws.residual, friction_entry(force + 1, &xi[row + 1], radius, rows - 1));
     }
     row += rows;
