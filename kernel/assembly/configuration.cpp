@@ -74,7 +74,11 @@ void Configuration::move_to(const Vec& q, double t) {
   closed_count_ = 0;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
     const auto& contact = layout_->contacts[k];
-    contact.relation->gap_at(t, local_position(contact), {gaps_.data() + contact.gap, contact.gaps});
+    const Out gap(gaps_.data() + contact.gap, contact.gaps);
+    if (contact.rheonomous)  // not always gap_at(), which costs another call
+      contact.relation->gap_at(t, local_position(contact), gap);
+    else
+      contact.relation->gap(local_position(contact), gap);
     if (closed(k)) closed_[closed_count_++] = k;
   }
 }
@@ -150,7 +154,11 @@ void Configuration::evaluate_jacobian(int contact) {
   const auto& slot = layout_->contacts[contact];
   double* J = jacobians_.data() + slot.jacobian;
   std::fill_n(J, static_cast<std::size_t>(slot.rows) * slot.n, 0.0);
-  slot.relation->jacobian_at(t_, local_position(slot), {J, slot.rows, slot.n});
+  const OutMatrix rows(J, slot.rows, slot.n);
+  if (slot.rheonomous)
+    slot.relation->jacobian_at(t_, local_position(slot), rows);
+  else
+    slot.relation->jacobian(local_position(slot), rows);
   has_jacobian_[contact] = 1;
   if (!slot.constant_jacobian) return;
   for (int i = 0; i < slot.rows; ++i, J += slot.n) {
@@ -175,7 +183,6 @@ void Configuration::for_jacobian(int contact, int row, Function function) {
   }
 }
 
-// w of a contact whose geometry moves, (rows)
 const double* Configuration::motion(int contact) {
   const auto& slot = layout_->contacts[contact];
   double* w = motions_.data() + slot.row;

@@ -66,6 +66,8 @@ class Configuration final : public BlockInverse {
     if (!has_jacobian_[contact]) evaluate_jacobian(contact);
     return jacobians_.data() + layout_->contacts[contact].jacobian;
   }
+  /// w of a contact whose geometry moves, (rows) [m/s]
+  const double* motion(int contact);
   /// γ = Wᵀ v + w of one contact. @param[out] gamma (rows) [m/s]
   void relative_velocity(int contact, const Vec& v, double* gamma);
   /// Wᵀ v: what forces of the contact work at, where the geometry moves. @param[out] gamma (rows) [m/s]
@@ -84,7 +86,6 @@ class Configuration final : public BlockInverse {
     return layout_->local_position(contact, q_, local_q_.data());
   }
   void evaluate_jacobian(int contact);
-  const double* motion(int contact);
   template <class Function>
   void for_jacobian(int contact, int row, Function function);
   double term_size(int contact, int row, const Vec& x);

@@ -22,7 +22,6 @@ ContactAssembly::ContactAssembly(std::shared_ptr<const Layout> layout,
   problem_.tolerance = layout_->tolerance;
   problem_.b.reserve(layout_->rows);
   problem_.sets.reserve(layout_->rows);
-  gamma_.resize(layout_->most_rows);
   active_.reserve(layout_->contacts.size());
   first_row_.reserve(layout_->contacts.size());
   touched_.reserve(touching_.size());
@@ -203,15 +202,16 @@ void ContactAssembly::add_restitution(const Vec& gamma) {
   }
 }
 
-double ContactAssembly::work(const PoolVec& P, Configuration& constraint, const Vec& v) {
+double ContactAssembly::work(const PoolVec& P, Configuration& constraint, const Vec& gamma) const {
   double sum = 0.0;
   int row = 0;
   for (int contact : active_) {
-    constraint.velocity_of_work(contact, v, gamma_.data());
-    for (int i = 0; i < layout_->contacts[contact].rows; ++i, ++row) {
+    const auto& slot = layout_->contacts[contact];
+    const double* w = slot.rheonomous ? constraint.motion(contact) : nullptr;
+    for (int i = 0; i < slot.rows; ++i, ++row) {
       double jump = 0.0;
       for_row(problem_, row, [&](int j, double entry) { jump += entry * P[j]; });
-      sum += P[row] * (gamma_[i] + 0.5 * jump);
+      sum += P[row] * (gamma[slot.row + i] - (w ? w[i] : 0.0) + 0.5 * jump);
     }
   }
   return sum;

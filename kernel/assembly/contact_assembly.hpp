@@ -33,9 +33,9 @@ class ContactAssembly {
   /// v <- v + factor M⁻¹ W(q_f) P. @param P (rows of the active contacts) [N s]
   void apply(double factor, const double* P, Vec& v) const;
 
-  /// Work of impulses that change the velocity from v on, Pᵀ(W(q_c)ᵀv + ½ G P) [J]: where q_c = q_f, exactly
-  /// the change of the kinetic energy.
-  double work(const PoolVec& P, Configuration& constraint, const Vec& v);
+  /// Work of impulses that act at the relative velocity γ, Pᵀ(γ − w + ½ G P) [J]: where q_c = q_f, exactly
+  /// the change of the kinetic energy. @param gamma (rows of all contacts) [m/s]
+  double work(const PoolVec& P, Configuration& constraint, const Vec& gamma) const;
 
   /// Copies between the rows of all contacts and those of the active ones.
   void gather(const Vec& all, double factor, PoolVec& active) const;
@@ -90,7 +90,6 @@ class ContactAssembly {
   std::vector<Neighbour> neighbours_;         // of the first active contact, of the second...
   std::vector<int> first_neighbour_;          // of each active contact
   std::vector<int> first_row_;                // of each active contact in the problem
-  std::vector<double> gamma_;                 // of one contact
 };
 
 }  // namespace saltus

@@ -51,7 +51,7 @@ class TrapezoidalMoreau final : public OneStepIntegrator {
       return report;
     }
     report.work_forces = end.kinetic_energy(before_) - start.kinetic_energy(state.v);
-    report.work_impulse = assembly.work(contacts_->P(), end, before_);
+    report.work_impulse = assembly.work(contacts_->P(), end, gamma_);
     report.kinetic_energy = end.kinetic_energy(after_);
     report.penetration = end.penetration();
     report.closed = static_cast<int>(active_.size());

@@ -365,7 +365,7 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
   if (!contacts_->solve(report)) return false;  // (56)-(58)
   assembly.scatter(contacts_->P(), 1.0, impulse_);
   report.work_forces = inertia_work(at(0), end, stages_[0].v, v);
-  report.work_impulse = assembly.work(contacts_->P(), end, v);
+  report.work_impulse = assembly.work(contacts_->P(), end, gamma_);
   assembly.apply(1.0, contacts_->P().data(), v);  // (68)
   return true;
 }

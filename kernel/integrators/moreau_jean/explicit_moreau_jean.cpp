@@ -14,7 +14,7 @@ void ExplicitMoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactS
   active_.reserve(layout_->contacts.size());
   for (Vec* x : {&q_, &rate_}) x->setZero(layout_->coordinates);
   for (Vec* x : {&v_, &h_}) x->setZero(layout_->n);
-  gamma_before_.setZero(layout_->rows);
+  for (Vec* x : {&gamma_before_, &gamma_free_}) x->setZero(layout_->rows);
 }
 
 StepReport ExplicitMoreauJean::step(double dt, State& state, Reactions& reactions) {
@@ -57,10 +57,11 @@ bool ExplicitMoreauJean::contact_impulses(const Reactions& reactions, StepReport
   ContactAssembly& assembly = contacts_->assembly();
   assembly.assemble(active_, end, end, end);
   assembly.set_b(end, v_);
+  assembly.scatter(assembly.problem().b, 1.0, gamma_free_);
   assembly.add_restitution(gamma_before_);
   assembly.gather(reactions.impulse, 1.0, contacts_->P());
   if (!contacts_->solve(report)) return false;
-  report.work_impulse = assembly.work(contacts_->P(), end, v_);
+  report.work_impulse = assembly.work(contacts_->P(), end, gamma_free_);
   assembly.apply(1.0, contacts_->P().data(), v_);
   return true;
 }

@@ -22,7 +22,7 @@ class ExplicitMoreauJean final : public OneStepIntegrator {
   std::vector<Configuration> configurations_;  // start and end of the step
   std::unique_ptr<ContactStage> contacts_;
   std::vector<int> active_;
-  Vec q_, rate_, v_, h_, gamma_before_;
+  Vec q_, rate_, v_, h_, gamma_before_, gamma_free_;
 };
 
 }  // namespace saltus
