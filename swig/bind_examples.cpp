@@ -4,6 +4,7 @@
 #include "bindings.hpp"
 #include "elastic_bar/bare_loop.hpp"
 #include "elastic_bar/elastic_bar.hpp"
+#include "rotor/rotor.hpp"
 #include "slider_crank/bare_loop.hpp"
 #include "slider_crank/slider_crank.hpp"
 
@@ -76,6 +77,70 @@ void bind_elastic_bar(py::module_& module) {
       "q and v of the elastic bar after some steps of a loop that is written by hand for it.");
 }
 
+void bind_axle(py::module_& module) {
+  py::class_<AxleParameters>(module, "AxleParameters", "Table 6 of the paper, axle and drive.")
+      .def(py::init<>())
+      .def_readwrite("elements", &AxleParameters::elements, "N_A")
+      .def_readwrite("length", &AxleParameters::length, "l_A [m]")
+      .def_readwrite("radius", &AxleParameters::radius, "r_A [m]")
+      .def_readwrite("density", &AxleParameters::density, "ρ_A [kg/m³]")
+      .def_readwrite("E", &AxleParameters::E, "Young modulus [N/m²]")
+      .def_readwrite("G", &AxleParameters::G, "shear modulus [N/m²]")
+      .def_readwrite("mass_damping", &AxleParameters::mass_damping, "d_1A [1/s]")
+      .def_readwrite("torsional_damping", &AxleParameters::torsional_damping, "d_2A [kg m²/s]")
+      .def_readwrite("mount_stiffness", &AxleParameters::mount_stiffness, "c_D [N/m]")
+      .def_readwrite("mount_damping", &AxleParameters::mount_damping, "d_D [N s/m]")
+      .def_readwrite("drive_torque", &AxleParameters::drive_torque, "T_D [N m]")
+      .def_readwrite("drive_until", &AxleParameters::drive_until, "[s]")
+      .def_readwrite("fault_torque", &AxleParameters::fault_torque, "T_F [N m]")
+      .def_readwrite("gravity", &AxleParameters::gravity, "[m/s²]");
+  py::classh<Axle, LagrangianDS>(module, "CompiledAxle", py::is_final(),
+                                 "The axle of the rotor in C++, q = (α, w, w', u, u') of each node.")
+      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const AxleParameters& parameters) {
+             return std::make_unique<Axle>(to_vec(q0, "q0"), to_vec(v0, "v0"), parameters);
+           }),
+           py::arg("q0"), py::arg("v0"), py::arg("parameters"))
+      .def(
+          "force_jacobians",
+          [](const Axle& axle, double t, const ArrayLike& q, const ArrayLike& v) {
+            const int n = axle.dimension();
+            const Vec at = to_sized_vec(q, "q", n), rate = to_sized_vec(v, "v", n);
+            Matrix by_q = Matrix::Zero(n, n), by_v = Matrix::Zero(n, n);
+            axle.force_jacobians(t, In(at.data(), n), In(rate.data(), n), OutMatrix(by_q.data(), n, n),
+                                 OutMatrix(by_v.data(), n, n));
+            return std::make_pair(matrix_to_array(by_q), matrix_to_array(by_v));
+          },
+          py::arg("t"), py::arg("q"), py::arg("v"), "∂h/∂q and ∂h/∂v, (n, n) each.");
+}
+
+void bind_rotor(py::module_& module) {
+  bind_axle(module);
+  py::classh<AxleWeld, Relation>(module, "CompiledAxleWeld", py::is_final(),
+                                 "A body welded to the axle at a station, 6 rows, in C++.")
+      .def(py::init<const Axle&, double>(), py::arg("axle"), py::arg("s"))
+      .def_static(
+          "held",
+          [](const Axle& axle, double s) {
+            const AxleWeld::State state = AxleWeld::held(axle, s);
+            return std::make_pair(to_array(state.q), to_array(state.v));
+          },
+          py::arg("axle"), py::arg("s"), "q (7,) and v (6,) of a body that is held at the axle's start.");
+  py::classh<JournalContact, Relation>(module, "CompiledJournalContact", py::is_final(),
+                                       "A disc of one body inside of a circle of another, in C++.")
+      .def(py::init<int, double, double, double>(), py::arg("size"), py::kw_only(), py::arg("disc"),
+           py::arg("circle"), py::arg("along"));
+  py::classh<MountedBody, NewtonEulerDS>(module, "CompiledMountedBody", py::is_final(),
+                                         "A rigid body that springs hold at the origin, in C++.")
+      .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, double mass, const ArrayLike& inertia,
+                       double stiffness, double damping, double gravity) {
+             const Vec diagonal = to_sized_vec(inertia, "inertia", 3);
+             return std::make_unique<MountedBody>(to_vec(q0, "q0"), to_vec(v0, "v0"), mass,
+                                                  Mat3(diagonal.asDiagonal()), stiffness, damping, gravity);
+           }),
+           py::arg("q0"), py::arg("v0"), py::kw_only(), py::arg("mass"), py::arg("inertia"),
+           py::arg("stiffness"), py::arg("damping"), py::arg("gravity"));
+}
+
 }  // namespace
 
 // The models of the examples in C++. The Python documents beside them explain the formulas.
@@ -83,6 +148,7 @@ void bind_examples(py::module_& module) {
   bind_slider_crank(module);
   bind_ball_in_box(module);
   bind_elastic_bar(module);
+  bind_rotor(module);
 }
 
 }  // namespace saltus::python

@@ -549,3 +549,48 @@ def compiled_elastic_bar(elements: int, damping: float) -> NonSmoothDynamicalSys
 def bare_elastic_bar(
     elements: int, damping: float, gap: float, time_step: float, steps: int
 ) -> tuple[FloatArray, FloatArray]: ...
+
+class AxleParameters:
+    elements: int
+    length: float
+    radius: float
+    density: float
+    E: float
+    G: float
+    mass_damping: float
+    torsional_damping: float
+    mount_stiffness: float
+    mount_damping: float
+    drive_torque: float
+    drive_until: float
+    fault_torque: float
+    gravity: float
+
+@final
+class CompiledAxle(LagrangianDS):
+    def __init__(self, q0: ArrayLike, v0: ArrayLike, parameters: AxleParameters) -> None: ...
+    def force_jacobians(self, t: float, q: ArrayLike, v: ArrayLike) -> tuple[FloatArray, FloatArray]: ...
+
+@final
+class CompiledAxleWeld(LagrangianScleronomousR):
+    def __init__(self, axle: CompiledAxle, s: float) -> None: ...
+    @staticmethod
+    def held(axle: CompiledAxle, s: float) -> tuple[FloatArray, FloatArray]: ...
+
+@final
+class CompiledJournalContact(LagrangianScleronomousR):
+    def __init__(self, size: int, *, disc: float, circle: float, along: float) -> None: ...
+
+@final
+class CompiledMountedBody(NewtonEulerDS):
+    def __init__(
+        self,
+        q0: ArrayLike,
+        v0: ArrayLike,
+        *,
+        mass: float,
+        inertia: ArrayLike,
+        stiffness: float,
+        damping: float,
+        gravity: float,
+    ) -> None: ...

@@ -1,0 +1,1 @@
+"""The rotor with a journal bearing (Section 6.2 of the paper)."""
