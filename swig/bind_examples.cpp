@@ -115,6 +115,8 @@ void bind_axle(py::module_& module) {
 
 void bind_rotor(py::module_& module) {
   bind_axle(module);
+  module.def("compiled_rotor", &make_rotor,
+             "The rotor composed in C++, which a test compares with the one composed in Python.");
   py::classh<AxleWeld, Relation>(module, "CompiledAxleWeld", py::is_final(),
                                  "A body welded to the axle at a station, 6 rows, in C++.")
       .def(py::init<const Axle&, double>(), py::arg("axle"), py::arg("s"))

@@ -108,8 +108,8 @@ Closest JournalContact::closest(const BodyPair& bodies) const {
   const Vec3 apart = centre - bodies.b.in_space(centre_);
   const Vec3 across = apart - apart.dot(axis) * axis;
   const double distance = across.norm();
-  // Where the centres meet every direction is the nearest; the contact is open there.
-  const Vec3 outward = distance > 0.0 ? Vec3(across / distance) : Vec3(-bodies.b.R.col(2));
+  // Where the centres meet no direction is nearer than the others: a row of zeros, of an open contact.
+  const Vec3 outward = distance > 0.0 ? Vec3(across / distance) : Vec3(Vec3::Zero());
   // The point of the bearing is taken as far along its axis as the disc: then its velocity counts the turning
   // of the axis, and the normal row is ∂g/∂q.
   const Vec3 wall = centre + (circle_ - distance) * outward;

@@ -14,7 +14,7 @@ import numpy as np
 import saltus.kernel as sk
 from saltus import plot
 from saltus.examples.figure import panels
-from saltus.examples.rotor.rotor import CONTACT, END, TIME_STEP, Parameters, build
+from saltus.examples.rotor.rotor import CONTACT, END, STABILISED, TIME_STEP, Parameters, build
 from saltus.io import Trajectory
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 SUBSTEPS = "HalfExplicitTrapezoidalOSI(impulsive_substeps=10"
 START = f"{SUBSTEPS})"  #: closed at the start of the step
 PREDICTED = f"{SUBSTEPS},activity=predicted)"  #: (75)-(77)
-STABILISED = f"{SUBSTEPS},activity=sticky,stabilization=position)"
 MOREAU = "MoreauJeanOSI"
 SHORT = {
     START: "half-explicit",

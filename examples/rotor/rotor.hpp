@@ -2,6 +2,7 @@
 // The rotor of Section 6.2 in C++: axle, welds, bearing and contact. rotor.py explains the formulas.
 #include "rotor/axle_element.hpp"
 #include "saltus/kernel/model/bodies/contacts.hpp"
+#include "saltus/kernel/model/nonsmooth_dynamical_system.hpp"
 
 namespace saltus::examples {
 
@@ -118,5 +119,9 @@ class MountedBody final : public NewtonEulerDS {
  private:
   double stiffness_, damping_, gravity_;
 };
+
+/// The whole model with the values of Table 6, as build() of rotor.py makes it: axle, flywheel, frustum,
+/// bearing; interactions "flywheel weld", "frustum weld" and "journal".
+NonSmoothDynamicalSystem make_rotor();
 
 }  // namespace saltus::examples

@@ -69,7 +69,23 @@ stands here with θ = ½, implicit in the forces.
 5. Run it
 ---------
 Run this file to compare the schemes, with an argument to keep pictures of the orbit and of the contact force
-in that folder. comparison.py makes both.
+in that folder. comparison.py makes both; the paper draws no results of this example. rotor.cpp composes the
+same model in C++.
+
+At Δt = 5e-6 s until 0.05 s, on one core,
+
+                                impulsive   time   error of   energy    welds
+                                            [s]    the orbit  defect    [m]
+    half-explicit               0.50 %      0.40   3.1e-7 m   1.1e-4    9e-10
+    half-explicit, predicted    0.48 %      0.38   2.3e-7 m   1.1e-4    9e-10
+    half-explicit, stabilised   0.49 %      0.51   3.1e-7 m   1.1e-4    2e-16
+    Moreau-Jean, θ = ½                      1.41   3.5e-7 m   1e-14     5e-10
+
+The paper has 1.3 % of impulsive steps, with its tube around g = 0, and 0.32 for the time of a half-explicit
+step over one of Moreau-Jean's; here that is 0.28, and 0.2 for the same error of the orbit. In contact both
+errors fall with Δt, not with Δt²: it is a matter of a step when an impact comes. The half-explicit defect of
+energy falls with Δt³; that of Moreau-Jean is rounding, since it counts work with the mean velocity of a step.
+About half of the time of a half-explicit step goes into M⁻¹W of the welds.
 """
 
 from __future__ import annotations
@@ -91,6 +107,7 @@ from saltus._core import (
 
 TIME_STEP = 5e-6  #: of the paper [s]
 END = 0.05  #: the drive acts until then [s]
+STABILISED = "HalfExplicitTrapezoidalOSI(impulsive_substeps=10,activity=sticky,stabilization=position)"
 CONTACT = "journal"  #: name of the contact; the welds are "flywheel weld" and "frustum weld"
 
 

@@ -26,6 +26,7 @@ from saltus.examples.impact_oscillator import impact_oscillator
 from saltus.examples.newtons_cradle import newtons_cradle
 from saltus.examples.rocking_block import rocking_block
 from saltus.examples.rolling_sphere import rolling_sphere
+from saltus.examples.rotor import rotor
 from saltus.examples.slider_crank import slider_crank
 from saltus.examples.woodpecker import woodpecker
 
@@ -174,6 +175,15 @@ MODELS = {
             disc_pile.TIME_STEP,
             1.5,
             bench_steps=2_000,
+        ),
+        Example(
+            "rotor",
+            "a flexible rotor that hits and slides in its journal bearing, Section 6.2 of the paper",
+            rotor.build,
+            rotor.TIME_STEP,
+            rotor.END,
+            f"{rotor.STABILISED}@5e-7",
+            bench_steps=10_000,
         ),
         _bar(50, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-9"),
         _bar(1000, "that hits an obstacle, Section 6.1 of the paper", 1e-7, 1.5e-3, "1e-8"),

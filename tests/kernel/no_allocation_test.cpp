@@ -7,6 +7,7 @@
 #include <new>
 #include <random>
 
+#include "rotor/rotor.hpp"
 #include "saltus/kernel/model/distance.hpp"
 #include "saltus/numerics/linear/sparse_factor.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
@@ -202,6 +203,26 @@ TEST_P(NoAllocation, ABarWithSparseMatrices) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, NoAllocation, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
+
+// A mass matrix of 30 rows that varies, welded bodies, and impacts in a ring.
+TEST(NoAllocationOf, TheRotor) {
+  const auto model = examples::make_rotor();
+  const Options in_parts = {{"impulsive_substeps", 10.0}};
+  const Options stabilised = {{"activity", "sticky"}, {"stabilization", "position"}};
+  for (const auto& [scheme, options] : {std::pair("HalfExplicitTrapezoidalOSI", in_parts),
+                                        {"HalfExplicitTrapezoidalOSI", stabilised},
+                                        {"MoreauJeanOSI", Options{}}}) {
+    TimeStepping simulation(model, *make_integrator(scheme, options), 5e-6);
+    for (int k = 0; k < 890; ++k) simulation.step();  // it hits the ring in step 895
+    allocations = 0;
+    counting = true;
+    int closed = 0;
+    for (int k = 0; k < 60; ++k) closed += simulation.step().closed > 2;
+    counting = false;
+    EXPECT_EQ(allocations, 0) << scheme;
+    EXPECT_GT(closed, 5) << scheme;
+  }
+}
 
 TEST(NoAllocationOf, SparseFactors) {
   const int n = 400;

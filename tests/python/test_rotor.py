@@ -1,13 +1,17 @@
 """Runs of the rotor: welds, orders, friction, energy, the schemes against each other, table and pictures."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import saltus.kernel as sk
+from saltus import _core
+from saltus.cli.app import app
 from saltus.examples.rotor import comparison
-from saltus.examples.rotor.comparison import MOREAU, PREDICTED, SHORT, STABILISED, START
-from saltus.examples.rotor.rotor import CONTACT, END, TIME_STEP, Parameters, build
+from saltus.examples.rotor.comparison import MOREAU, PREDICTED, SHORT, START
+from saltus.examples.rotor.rotor import CONTACT, END, STABILISED, TIME_STEP, Parameters, build
+from typer.testing import CliRunner
 
 P = Parameters()
 
@@ -137,3 +141,26 @@ def test_the_table_has_the_figures_of_the_runs(runs, capsys):
         assert float(share) == pytest.approx(r.impulsive, abs=5e-3)
         assert float(error) == pytest.approx(r.error(runs[STABILISED]), rel=0.1)
         assert int(iterations) > len(r.trajectory)
+
+
+def test_both_languages_compose_the_same_model():
+    python = sk.TimeStepping(build(), START, TIME_STEP).run(0.01).columns()
+    simulation = _core.TimeSteppingBase(
+        _core.compiled_rotor(), sk.HalfExplicitTrapezoidalOSI(impulsive_substeps=10), TIME_STEP, "auto"
+    )
+    recording = _core.Recording()
+    simulation.add_observer(recording)
+    simulation.advance(0.01, None)
+    compiled = recording.columns()
+    assert python["impulsive"].any()
+    for name in ("q", "v", "force", "impulse", "gap"):
+        np.testing.assert_array_equal(compiled[name], python[name])
+
+
+def test_bench_tells_why_an_explicit_scheme_cannot_run_it():
+    found = CliRunner().invoke(app, ["bench", "rotor", "--integrator", "ExplicitMoreauJeanOSI", "--json"])
+    assert found.exit_code == 0, found.output
+    result = json.loads(found.stdout)
+    assert result["results"] == []
+    [skipped] = result["skipped"]
+    assert "the mass matrix is not positive definite" in skipped["reason"]

@@ -51,6 +51,10 @@ def test_mass_forces_potential_and_jacobians_belong_together():
     assert all(item.deviation <= item.tolerance for item in report.items), report
 
 
+def test_check_finds_nothing_at_the_start():
+    assert build().check().ok
+
+
 def test_force_jacobians_are_those_of_the_forces():
     q, v = some_state()
     by_q, by_v = axle_alone(P).force_jacobians(0.0, q, v)

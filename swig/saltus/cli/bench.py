@@ -110,8 +110,12 @@ def measure(name: str, schemes: Sequence[str], results: list[Result], skipped: l
     runs = -(-model.bench_steps // model.steps)
     seconds: dict[str, list[float]] = {scheme: [] for scheme in loops}
     for _ in range(REPEATS):
-        for scheme, loop in loops.items():
-            seconds[scheme].append(sum(loop() for _ in range(runs)) / runs)
+        for scheme, loop in list(loops.items()):
+            try:
+                seconds[scheme].append(sum(loop() for _ in range(runs)) / runs)
+            except _core.SimulationError as error:  # of a model whose stability is not judged beforehand
+                skipped.append(Skipped(name, scheme, str(error)))
+                del loops[scheme], seconds[scheme]
     for scheme, values in seconds.items():
         us = 1e6 * statistics.median(values) / model.steps
         results.append(Result(name, scheme, us, model.steps, model.time_step))
