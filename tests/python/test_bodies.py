@@ -259,6 +259,71 @@ def test_a_sphere_on_a_rising_floor_of_its_own_geometry():
     assert run["floor"].force[1:, 0] == pytest.approx(2.0 * (GRAVITY + 1.0), rel=1e-10)
 
 
+def turn(axis: int, angle: float) -> np.ndarray:
+    p = np.zeros(4)
+    p[0], p[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return p
+
+
+def slide_over_a_face(axis: int, angle: float, box: bool) -> sk.NonSmoothDynamicalSystem:
+    """A ball that is pressed on a face of a body which turns, with its normal along an axis of the body."""
+    p, normal, radius, spin = turn(1, angle), np.eye(3)[axis], 0.05, np.array([0.1, 0.9, 0.2])
+    R = sk.rotation_matrix(p)
+    x = (radius + 0.5) * R @ normal
+    slip = np.cross(R @ normal, [0.3, 0.5, 0.7])
+    v = np.cross(R @ spin, x) + slip
+    body = sk.NewtonEulerDS([0, 0, 0, *p], [0, 0, 0, *spin], 20.0, [0.5, 0.6, 0.7])
+    ball = sk.NewtonEulerDS([*x, *UNIT], [*v, 5, 1, -4], 0.5, [5e-4] * 3, force=-10 * R @ normal)
+    relation = (
+        sk.SphereBox(3, radius=radius, half_lengths=[0.5, 0.5, 0.5])
+        if box
+        else sk.SpherePlane(3, radius=radius, point=0.5 * normal, normal=normal)
+    )
+    system = sk.NonSmoothDynamicalSystem([ball, body])
+    system.link(sk.Interaction(relation, sk.NewtonImpactFrictionNSL(0, 0, 0.02, 3)), ball, body)
+    return system
+
+
+def slide_over_a_sphere(view: np.ndarray) -> sk.NonSmoothDynamicalSystem:
+    class Attracted(sk.NewtonEulerDS):
+        def force(self, t, q, v, out):
+            out[:] = -10 * q[:3]
+
+    x, v, spin = view @ [1.2, 0, 0], view @ [0, 0.3, 1.0], view @ [0, -20.0, 8.0]
+    ball = Attracted([*x, *UNIT], [*v, *spin], 1.0, [0.016] * 3)
+    system = sk.NonSmoothDynamicalSystem([ball])
+    contact = sk.SphereSphere(3, radius1=0.2, radius2=1.0)
+    system.link(sk.Interaction(contact, sk.NewtonImpactFrictionNSL(0, 0, 0.1, 3)), ball)
+    return system
+
+
+@pytest.mark.parametrize("box", [False, True])
+def test_sliding_keeps_its_order_where_a_face_stands_upright(box):
+    """The normal passes through horizontal after 0.11 s: tangents that jump there make it order one."""
+
+    def end(dt):
+        run = sk.TimeStepping(
+            slide_over_a_face(0, -0.1, box), "HalfExplicitRungeKuttaOSI(activity=sticky)", time_step=dt
+        ).run(until=0.2)
+        return np.hstack([run.q[-1], run.v[-1]])
+
+    coarse, middle, fine = end(4e-3), end(2e-3), end(1e-3)
+    ratio = np.abs(coarse - middle).max() / np.abs(middle - fine).max()
+    assert np.log2(ratio) > 2.7
+    assert np.abs(coarse - middle).max() < 1e-4  # a jump where a step happens to notice: 0.1
+
+
+@pytest.mark.parametrize("scheme", ["HalfExplicitTrapezoidalOSI(activity=sticky)", "MoreauJeanOSI"])
+def test_sliding_over_a_sphere_is_the_same_from_every_side(scheme):
+    """In one of the frames the normal passes through horizontal."""
+    ends = []
+    for p in turn(1, 0.3), turn(0, 1.0):
+        view = sk.rotation_matrix(p)
+        run = sk.TimeStepping(slide_over_a_sphere(view), scheme, time_step=1e-3).run(until=0.6)
+        ends.append(view.T @ run.q[-1][:3])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+
+
 def test_a_line_in_the_plane_has_a_normal_in_the_plane():
     disc = sk.LagrangianLinearTIDS(np.zeros(3), np.zeros(3), np.eye(3))
     system = sk.NonSmoothDynamicalSystem([disc])

@@ -108,7 +108,7 @@ void Sliding::expand(PoolVec& P) const {
   for (int row = 0; row < P.size(); ++row) P[row] = factor_[row] * reduced_P_[column_[row]];
 }
 
-// Those that lose half of their speed along d. @return true if there are any
+// Takes out those that keep less than least_kept of their speed along d. @return true if there are any
 bool Sliding::release_stopping(const ContactProblem& problem, const PoolVec& P) {
   return std::erase_if(slides_, [&](const Slide& slide) {
            double along = 0.0;

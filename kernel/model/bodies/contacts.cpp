@@ -1,7 +1,9 @@
 #include "saltus/kernel/model/bodies/contacts.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "saltus/numerics/text.hpp"
@@ -19,12 +21,20 @@ double not_negative(double radius) {
   return radius;
 }
 
-// Two unit vectors that make a right-handed frame with n, without a case that is nearly singular: Duff et
-// al., J. Computer Graphics Techniques 6 (2017) 1-8.
+// x, at right angles to `from`, turned the shortest way from there to `to`
+Vec3 turned(const Vec3& x, const Vec3& from, const Vec3& to) {
+  return x - x.dot(to) / std::max(1.0 + from.dot(to), std::numeric_limits<double>::epsilon()) * (from + to);
+}
+
+// Two unit vectors that make a right-handed frame with n, e_x and e_y for n = e_z. Contact problems take W at
+// two positions, so that a jump of the frame between them would turn friction round. It cannot be smooth
+// everywhere: the one direction where it is not, −p, is one that no model prefers.
 void tangents(const Vec3& n, Vec3& t1, Vec3& t2) {
-  const double sign = std::copysign(1.0, n[2]), a = -1.0 / (sign + n[2]), b = n[0] * n[1] * a;
-  t1 << 1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0];
-  t2 << b, sign + n[1] * n[1] * a, -n[1];
+  static const Vec3 p = Vec3(0.3871, 0.5923, 0.7067).normalized();
+  static const Vec3 at_p = turned(Vec3::UnitX(), Vec3::UnitZ(), p);
+  t1 = turned(at_p, p, n);
+  t1 = (t1 - n.dot(t1) * n).normalized();
+  t2 = n.cross(t1);
 }
 
 }  // namespace
@@ -51,10 +61,12 @@ void BodyContact::jacobian(const In& q, OutMatrix J) const {
   const BodyPair bodies(q);
   const Closest at = closest(bodies);
   Vec3 directions[3] = {at.normal};
-  if (bodies.a.planar)
+  if (bodies.a.planar) {
     directions[1] = at.normal.cross(Vec3::UnitZ());
-  else if (size() == 3)
-    tangents(at.normal, directions[1], directions[2]);
+  } else if (size() == 3) {  // those of a plane or a face are fixed in its body
+    tangents(bodies.b.R.transpose() * at.normal, directions[1], directions[2]);
+    for (int i : {1, 2}) directions[i] = bodies.b.R * directions[i];
+  }
   const Vec3 arm_a = at.on_a - bodies.a.x, arm_b = at.on_b - bodies.b.x;
   for (int i = 0; i < size(); ++i)
     add_to_row(bodies, directions[i], arm_a.cross(directions[i]), -arm_b.cross(directions[i]),

@@ -14,7 +14,7 @@ struct Closest {
 /// A contact of two bodies, or of one and the ground. Rows of Wᵀ are the velocity of the point of a relative
 /// to that of b, along
 ///   n, t        plane bodies, size 1 or 2: t is n turned by −90°
-///   n, t1, t2   spatial ones, size 1 or 3; for n = e_z, t1 = e_x and t2 = e_y
+///   n, t1, t2   spatial ones, size 1 or 3; where n is e_z of b's frame, t1 and t2 are its e_x and e_y
 class BodyContact : public Relation {
  public:
   /// @param size  1 without friction, 2 in the plane, 3 in space
