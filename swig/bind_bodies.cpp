@@ -82,7 +82,8 @@ body_force, body_moment : (3,) constant, in the frame of the body
 Raises
 ------
 ValueError
-    If a size or a value is wrong, the quaternion has not length 1, or a load is given twice.
+    If a size or a value is wrong, or the quaternion has not length 1. A load that is given twice, or a method that
+    rigid bodies do not ask for, such as forces, is found by the simulation.
 )")
       .def(py::init(&make_newton_euler), py::arg("q0"), py::arg("v0"), py::arg("mass"), py::arg("inertia"),
            py::kw_only(), py::arg("force") = py::none(), py::arg("moment") = py::none(),
@@ -97,6 +98,7 @@ ValueError
       "rotation_matrix",
       [](const ArrayLike& quaternion) {
         const Vec p = to_sized_vec(quaternion, "quaternion", 4);
+        if (!p.allFinite()) throw std::invalid_argument("quaternion must be finite, got NaN or infinity");
         if (!(p.norm() > 0.0)) throw std::invalid_argument("quaternion must have a length, got zero");
         return matrix_to_array(Matrix(rotation_of(p.data())));
       },

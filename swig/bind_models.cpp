@@ -59,7 +59,7 @@ void bind_systems(py::module_& module) {
     def potential_energy(self, q): ...     # optional, [J]: only reported
     def force_jacobians(self, t, q, v, out): ...   # optional, out (2, n, n): ∂h/∂q Y, ∂h/∂v, for implicit schemes
     def velocity_map(self, q, out): ...    # optional, out (coordinates, n): Y(q), the identity if left out
-    def normalise(self, q, out): ...       # optional, with it: coordinates brought back to allowed ones
+    def normalise(self, q, out): ...       # optional, with it: coordinates brought back to allowed ones; out is q
 
 `out` is zero at the call; q and v are read-only and reused: copy what you want to keep.
 

@@ -62,10 +62,13 @@ py::object CachedMethod::call(std::initializer_list<PyObject*> arguments) {
 }
 
 void CachedMethod::fill(const double* t, const In& q, const In* v, double* out,
-                        std::vector<py::ssize_t> shape) {
+                        std::vector<py::ssize_t> shape, const double* start) {
   auto arrays = pool_.take(q.size(), v ? v->size() : 0, shape);
   arrays->q.set(q.data());
-  arrays->out.set_zero();
+  if (start)
+    arrays->out.set(start);
+  else
+    arrays->out.set_zero();
   if (v) arrays->v.set(v->data());
   PyObject* const Q = arrays->q.object();
   PyObject* const V = arrays->v.object();
@@ -148,7 +151,12 @@ double PyLagrangianDS::potential_energy(const In& q) const {
 }
 
 bool PyLagrangianDS::has_velocity_map() const {
-  if (!find(velocity_map_)) return false;
+  if (!find(velocity_map_)) {
+    if (find(normalise_))
+      throw std::invalid_argument(normalise_.full_name() +
+                                  " is asked for only beside velocity_map, got none");
+    return false;
+  }
   const Functions& given = functions();
   if (given.mass || given.forces || given.force_jacobians || given.potential_energy)
     throw std::invalid_argument(velocity_map_.full_name() +
@@ -165,10 +173,22 @@ void PyLagrangianDS::position_rate(const In& q, const In& v, Out rate) const {
 void PyLagrangianDS::normalise(Out q) const {
   if (!find(normalise_)) return;
   const Vec before = q;
-  normalise_.fill(nullptr, {before.data(), before.size()}, nullptr, q.data(), {q.size()});
+  normalise_.fill(nullptr, {before.data(), before.size()}, nullptr, q.data(), {q.size()}, before.data());
+}
+
+// Methods of other classes would have no effect.
+void PyNewtonEulerDS::refuse_methods() const {
+  for (const char* name : {"forces", "mass", "force_jacobians", "velocity_map", "normalise"})
+    if (CachedMethod method(name); find(method))
+      throw std::invalid_argument(
+          method.full_name() +
+          " is not asked for: loads of a rigid body are force, moment, body_force and "
+          "body_moment");
+  looked_at_ = true;
 }
 
 void PyNewtonEulerDS::loads(double t, const In& q, const In& v, BodyLoads& loads) const {
+  if (!looked_at_) refuse_methods();
   const auto take = [&](CachedMethod& method, Vec3& load) {
     if (!find(method)) return;
     method.forbid(!load.isZero(0.0));

@@ -71,7 +71,9 @@ class CachedMethod {
   /// Calls method(self, [t,] q, [v,] out) for a method that writes into `out` and returns None.
   /// @param t, v  nullptr: not among its arguments
   /// @throws py::type_error if something else is returned, py::error_already_set
-  void fill(const double* t, const In& q, const In* v, double* out, std::vector<py::ssize_t> shape);
+  /// @param start  what is in `out` at the call, zero if nullptr
+  void fill(const double* t, const In& q, const In* v, double* out, std::vector<py::ssize_t> shape,
+            const double* start = nullptr);
   /// Calls method(self, q) for a method that returns a number. @throws py::type_error if it is none
   double number(const In& q);
   /// @throws std::invalid_argument if the class implements what was also given to its base class
@@ -122,7 +124,9 @@ class PyNewtonEulerDS final : public NewtonEulerDS, public py::trampoline_self_l
 
  private:
   bool find(CachedMethod& method) const { return method.find<NewtonEulerDS>(this); }
+  void refuse_methods() const;
 
+  mutable bool looked_at_ = false;
   mutable CachedMethod force_{"force"}, moment_{"moment"}, body_force_{"body_force"},
       body_moment_{"body_moment"}, potential_energy_{"potential_energy"};
 };

@@ -16,7 +16,7 @@ NonSmoothDynamicalSystem::NonSmoothDynamicalSystem(Systems systems, double t0)
     if (!index_.emplace(systems_[i].get(), static_cast<int>(i)).second)
       throw std::invalid_argument("dynamical system " + std::to_string(i) + " stands twice in the list");
     const int coordinates = systems_[i]->coordinates(), freedoms = systems_[i]->dimension();
-    if (coordinates != freedoms && !systems_[i]->has_velocity_map())
+    if (!systems_[i]->has_velocity_map() && coordinates != freedoms)
       throw std::invalid_argument("v0 must have " + std::to_string(coordinates) +
                                   " entries as q0 has, unless the system defines velocity_map, got " +
                                   std::to_string(freedoms) + " in dynamical system " + std::to_string(i));
@@ -53,6 +53,10 @@ NonSmoothDynamicalSystem::Ends NonSmoothDynamicalSystem::connect(const std::stri
     throw std::invalid_argument("the name of " + kind + " must be unique, got '" + name + "' twice");
   relation.require_dimensions(first.coordinates() + (second ? second->coordinates() : 0),
                               first.dimension() + (second ? second->dimension() : 0));
+  Vec q0(first.coordinates() + (second ? second->coordinates() : 0));
+  q0.head(first.coordinates()) = first.q0();
+  if (second) q0.tail(second->coordinates()) = second->q0();
+  relation.require_start({q0.data(), q0.size()});
   names_.insert(name);
   return ends;
 }

@@ -13,6 +13,8 @@ Relation::Relation(int size) : size_(size) {
 
 void Relation::require_dimensions(int, int) const {}
 
+void Relation::require_start(const In&) const {}
+
 void RheonomousRelation::gap(const In&, Out) const {
   throw std::logic_error("the gap of this relation depends on the time");
 }

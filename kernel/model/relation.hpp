@@ -16,6 +16,9 @@ class Relation {
 
   /// @throws std::invalid_argument if the relation cannot act on systems of these sizes
   virtual void require_dimensions(int coordinates, int freedoms) const;
+  /// @param q0  (coordinates) initial positions of the linked systems
+  /// @throws std::invalid_argument if the relation was made for others
+  virtual void require_start(const In& q0) const;
   /// @param q        (coordinates) positions of the linked systems
   /// @param[out] g   (1) [m] for a contact, (size) for an equality; starts as zero
   virtual void gap(const In& q, Out g) const = 0;

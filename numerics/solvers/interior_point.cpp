@@ -55,23 +55,25 @@ SolveReport InteriorPoint::solve(const ContactProblem& problem, double* P) {
         most_growth * std::max(report.certificate.scale, problem.b.view().lpNorm<Eigen::Infinity>());
   }
   const double most_work = factor_.work() + most_operations;
+  bool stuck = true;
   for (double weight : weights) {
     if (report.certificate.within(problem.tolerance) || factor_.work() >= most_work) break;
     weight_ = weight;
-    follow_path(problem, report, P);
+    stuck = follow_path(problem, report, P) && stuck;
   }
+  if (stuck) report.status = SolveStatus::breakdown;
   if (report.certificate.within(problem.tolerance)) report.status = SolveStatus::solved;
   return report;
 }
 
-// From the start, until the problem is solved or nothing goes on.
-void InteriorPoint::follow_path(const ContactProblem& problem, SolveReport& report, double* P) {
+// From the start, until the problem is solved or nothing goes on. @return true if no further step was found
+bool InteriorPoint::follow_path(const ContactProblem& problem, SolveReport& report, double* P) {
   start(problem);
   same_pivots_ = false;
   double goal = std::max(close, problem.tolerance);
   for (int k = 0; k < most_of_one; ++k, ++report.iterations) {
     const Certificate reached = certify(problem, now_.P.data(), xi_.data());
-    if (reached.scale > largest_scale_ && reached.residual > 0.5 * first_residual_) return;
+    if (reached.scale > largest_scale_ && reached.residual > 0.5 * first_residual_) return true;
     if (reached.within(problem.tolerance) || reached.better_than(report.certificate)) {
       report.certificate = reached;
       std::copy_n(now_.P.data(), problem.rows(), P);
@@ -82,8 +84,9 @@ void InteriorPoint::follow_path(const ContactProblem& problem, SolveReport& repo
       report.certificate = finished.certificate;
       goal *= closer;
     }
-    if (report.certificate.within(problem.tolerance) || !iterate()) return;
+    if (report.certificate.within(problem.tolerance) || !iterate()) return true;
   }
+  return false;
 }
 
 void InteriorPoint::read_contacts(const ContactProblem& problem) {

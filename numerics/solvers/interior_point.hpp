@@ -46,7 +46,7 @@ class InteriorPoint final : public ContactSolver {
   void read_contacts(const ContactProblem& problem);
   void read_matrix(const ContactProblem& problem);
   void start(const ContactProblem& problem);
-  void follow_path(const ContactProblem& problem, SolveReport& report, double* P);
+  bool follow_path(const ContactProblem& problem, SolveReport& report, double* P);
   bool iterate();
   double barrier(double step) const;
   bool factorise();

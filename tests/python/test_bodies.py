@@ -370,3 +370,67 @@ def test_parts_of_an_integrator_ask_for_the_time():
     spinning = sk.NewtonEulerDS([0, 0, 0, *UNIT], [1, 2, 3, 2, 4, 6], 1.0, np.ones(3))
     place = sk.Configuration(sk.NonSmoothDynamicalSystem([spinning]))
     assert place.rates([1, 2, 3, 2, 4, 6]) == pytest.approx([1, 2, 3, 0, 1, 2, 3])
+
+
+def test_a_joint_of_other_bodies_is_refused():
+    a, b = (sk.NewtonEulerDS([x, 0, 1, *UNIT], np.zeros(6), 1.0, np.ones(3)) for x in (0.0, 1.0))
+    system = sk.NonSmoothDynamicalSystem([a, b])
+    between = sk.Joint.ball(a, b, at=[0, 0, 1])
+    held = sk.Interaction(between, sk.EqualityConditionNSL(3))
+    for bodies in ((b, a), (a,)):
+        with pytest.raises(ValueError, match="linked to the bodies that it was made for, in the same order"):
+            system.link(held, *bodies)
+    system.link(held, a, b)
+
+
+def test_methods_that_nothing_asks_for_are_refused():
+    class Weight(sk.NewtonEulerDS):
+        def forces(self, t, q, v, out):  # of LagrangianDS; here it is force
+            out[2] = -GRAVITY
+
+    body = Weight([0, 0, 0, *UNIT], np.zeros(6), 1.0, np.ones(3))
+    system = sk.NonSmoothDynamicalSystem([body])
+    with pytest.raises(ValueError, match="Weight.forces is not asked for: loads of a rigid body are force, "):
+        sk.TimeStepping(system, "HalfExplicitTrapezoidalOSI", 1e-3)
+
+    class Round(Pendulum):
+        def normalise(self, q, out):
+            out[0] = q[0] % 1.0
+
+    with pytest.raises(ValueError, match=r"Round.normalise is asked for only beside velocity_map"):
+        sk.NonSmoothDynamicalSystem([Round([1.0], [0.0])])
+
+
+def test_normalise_may_leave_entries_alone():
+    class Partly(OnCircle):
+        def normalise(self, q, out):
+            out[1] = np.copysign(np.sqrt(max(1.0 - q[0] ** 2, 0.0)), q[1])
+
+    start = [np.sin(0.3), -np.cos(0.3)]
+    run = sk.TimeStepping(
+        sk.NonSmoothDynamicalSystem([Partly(start, [0.0])]), "HalfExplicitTrapezoidalOSI", 1e-3
+    )
+    q = run.run(0.5).q
+    assert np.abs(np.hypot(*q.T) - 1.0).max() < 1e-15
+    assert np.ptp(q[:, 0]) > 0.25
+
+
+def test_odd_directions_and_places():
+    zero = [0, 0, 0]
+    for size in (1e200, 1e-200):
+        line = sk.SpherePlane(1, radius=0.0, point=zero, normal=[0, 0, size])
+        ds = sk.NewtonEulerDS([0, 0, 0.5, *UNIT], np.zeros(6), 1.0, np.ones(3))
+        system = sk.NonSmoothDynamicalSystem([ds])
+        system.link(sk.Interaction(line, sk.NewtonImpactNSL(0.0)), ds)
+        assert sk.Configuration(system).gaps[0] == 0.5
+    disc = sk.LagrangianLinearTIDS(zero, zero, np.eye(3))
+    with pytest.raises(
+        ValueError, match=r"axis of a pivot of plane bodies must be \(0, 0, 1\), got \(1, 0, 0\)"
+    ):
+        sk.Joint.pivot(disc, at=[0, 0], axis=[1, 0, 0])
+    system = sk.NonSmoothDynamicalSystem([disc])
+    pair = sk.Interaction(sk.SphereSphere(1, radius1=0.1, centre1=[0, 0, 0.5]), sk.NewtonImpactNSL(0.0))
+    with pytest.raises(ValueError, match="centres of discs in the plane must have z = 0, got 0.5"):
+        system.link(pair, disc)
+    with pytest.raises(ValueError, match="quaternion must be finite"):
+        sk.rotation_matrix([np.nan, 0, 0, 0])

@@ -78,7 +78,8 @@ SpherePlane::SpherePlane(int size, double radius, const Vec3& centre, const Vec3
   require_finite(centre, "centre");
   require_finite(point, "point");
   require_finite(normal, "normal");
-  if (!(normal.norm() > 0.0)) throw std::invalid_argument("normal must have a length, got zero");
+  if (normal.isZero(0.0)) throw std::invalid_argument("normal must have a length, got zero");
+  normal_ /= normal_.cwiseAbs().maxCoeff();  // squares of its entries could be too large or too small
   normal_.normalize();
 }
 
@@ -110,10 +111,18 @@ void SpherePlane::curvature(const In& q, const In& v, Out c) const {
 SphereSphere::SphereSphere(int size, double radius_a, double radius_b, const Vec3& centre_a,
                            const Vec3& centre_b)
     : BodyContact(size), radius_a_(radius_a), radius_b_(radius_b), centre_a_(centre_a), centre_b_(centre_b) {
-  require_finite(centre_a, "centre_a");
-  require_finite(centre_b, "centre_b");
+  require_finite(centre_a, "centre1");
+  require_finite(centre_b, "centre2");
   for (double radius : {radius_a, radius_b})
     if (!std::isfinite(radius)) throw std::invalid_argument("radius must be finite, got " + number(radius));
+}
+
+void SphereSphere::require_dimensions(int coordinates, int freedoms) const {
+  BodyContact::require_dimensions(coordinates, freedoms);
+  for (const Vec3* centre : {&centre_a_, &centre_b_})
+    if (coordinates == freedoms && (*centre)[2] != 0.0)
+      throw std::invalid_argument("centres of discs in the plane must have z = 0, got " +
+                                  number((*centre)[2]));
 }
 
 Closest SphereSphere::closest(const BodyPair& bodies) const {

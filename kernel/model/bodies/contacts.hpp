@@ -55,6 +55,7 @@ class SphereSphere final : public BodyContact {
   /// @param centre_a, centre_b  in the frames of the bodies [m]
   /// @throws std::invalid_argument if a value is not finite
   SphereSphere(int size, double radius_a, double radius_b, const Vec3& centre_a, const Vec3& centre_b);
+  void require_dimensions(int coordinates, int freedoms) const override;
   Closest closest(const BodyPair& bodies) const override;
   void curvature(const In& q, const In& v, Out c) const override;
   bool has_curvature() const override { return size() == 1; }

@@ -3,31 +3,34 @@
 #include <Eigen/Geometry>
 #include <stdexcept>
 
+#include "saltus/numerics/text.hpp"
+
 namespace saltus {
 namespace {
 
-BodyPair bodies_at_start(const LagrangianDS& a, const LagrangianDS* b) {
+Vec start_of(const LagrangianDS& a, const LagrangianDS* b) {
   require_bodies(a.coordinates() + (b ? b->coordinates() : 0), a.dimension() + (b ? b->dimension() : 0),
                  "a joint");
   Vec q(a.coordinates() + (b ? b->coordinates() : 0));
   q.head(a.coordinates()) = a.q0();
   if (b) q.tail(b->coordinates()) = b->q0();
-  return BodyPair(In(q.data(), q.size()));
+  return q;
 }
 
 }  // namespace
 
 // Collects the rows, which are given in space.
 struct Joint::Maker {
+  Vec start;
   BodyPair bodies;
   Vec3 at;
   std::vector<Row> rows;
 
   Maker(const Vec3& point, const LagrangianDS& a, const LagrangianDS* b)
-      : bodies(bodies_at_start(a, b)), at(point) {
+      : start(start_of(a, b)), bodies(In(start.data(), start.size())), at(point) {
     if (!at.allFinite()) throw std::invalid_argument("at must be finite, got NaN or infinity");
     if (bodies.a.planar && at[2] != 0.0)
-      throw std::invalid_argument("at must lie in the plane, z = 0, for plane bodies");
+      throw std::invalid_argument("at must lie in the plane for plane bodies, z = 0, got " + number(at[2]));
   }
   // Columns: the axis, and two directions across it
   Mat3 frame(const Vec3& axis) const {
@@ -35,7 +38,7 @@ struct Joint::Maker {
       throw std::invalid_argument("axis must be finite and have a length, got NaN, infinity or zero");
     const Vec3 n = axis.normalized();
     if (bodies.a.planar && n[2] != 0.0)
-      throw std::invalid_argument("axis must lie in the plane for plane bodies");
+      throw std::invalid_argument("axis must lie in the plane for plane bodies, z = 0, got " + number(n[2]));
     const Vec3 across = bodies.a.planar ? Vec3(Vec3::UnitZ().cross(n)) : n.unitOrthogonal();
     Mat3 axes;
     axes << n, across, n.cross(across);
@@ -56,14 +59,17 @@ struct Joint::Maker {
     hold_angle(Vec3::UnitY(), Vec3::UnitZ());
     hold_angle(Vec3::UnitZ(), Vec3::UnitX());
   }
-  Joint make() { return Joint(std::move(rows), bodies.a.in_body(at), bodies.b.in_body(at), bodies.a.planar); }
+  Joint make() {
+    return Joint(std::move(rows), bodies.a.in_body(at), bodies.b.in_body(at), start, bodies.a.planar);
+  }
 };
 
-Joint::Joint(std::vector<Row> rows, const Vec3& point_a, const Vec3& point_b, bool planar)
+Joint::Joint(std::vector<Row> rows, const Vec3& point_a, const Vec3& point_b, Vec made_at, bool planar)
     : Relation(static_cast<int>(rows.size())),
       rows_(std::move(rows)),
       point_a_(point_a),
       point_b_(point_b),
+      made_at_(std::move(made_at)),
       planar_(planar) {}
 
 Joint Joint::weld(const Vec3& at, const LagrangianDS& a, const LagrangianDS* b) {
@@ -76,7 +82,12 @@ Joint Joint::weld(const Vec3& at, const LagrangianDS& a, const LagrangianDS* b) 
 Joint Joint::pivot(const Vec3& at, const Vec3& axis, const LagrangianDS& a, const LagrangianDS* b) {
   Maker maker(at, a, b);
   maker.hold_all_points();
-  if (maker.bodies.a.planar) return maker.make();
+  if (maker.bodies.a.planar) {
+    if (!(axis.head<2>().norm() == 0.0 && axis[2] != 0.0))
+      throw std::invalid_argument("axis of a pivot of plane bodies must be (0, 0, 1), got (" +
+                                  number(axis[0]) + ", " + number(axis[1]) + ", " + number(axis[2]) + ")");
+    return maker.make();
+  }
   const Mat3 axes = maker.frame(axis);
   maker.hold_angle(axes.col(0), axes.col(1));
   maker.hold_angle(axes.col(0), axes.col(2));
@@ -102,6 +113,12 @@ void Joint::require_dimensions(int coordinates, int freedoms) const {
   require_bodies(coordinates, freedoms, "a joint");
   if ((coordinates == freedoms) != planar_)
     throw std::invalid_argument("a joint was made for other bodies than it is linked to");
+}
+
+void Joint::require_start(const In& q0) const {
+  if (q0.size() != made_at_.size() || q0 != made_at_)
+    throw std::invalid_argument(
+        "a joint is linked to the bodies that it was made for, in the same order, got others");
 }
 
 void Joint::gap(const In& q, Out g) const {

@@ -27,9 +27,11 @@ class Joint final : public Relation {
   // Of all these:
   // @param at    a point of the joint in space [m]
   // @param axis  of any length but 0
-  // @throws std::invalid_argument if a value is not finite, or a system is no rigid body
+  // @throws std::invalid_argument if a value is not finite, does not lie in the plane of plane bodies, or a
+  // system is no rigid body
 
   void require_dimensions(int coordinates, int freedoms) const override;
+  void require_start(const In& q0) const override;
   void gap(const In& q, Out g) const override;
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;
@@ -41,11 +43,12 @@ class Joint final : public Relation {
     Vec3 on_a;       // f, in the frame of a
     Vec3 on_b;       // e, in the frame of b
   };
-  Joint(std::vector<Row> rows, const Vec3& point_a, const Vec3& point_b, bool planar);
+  Joint(std::vector<Row> rows, const Vec3& point_a, const Vec3& point_b, Vec made_at, bool planar);
   struct Maker;
 
   std::vector<Row> rows_;
   Vec3 point_a_, point_b_;  // in the frames of the bodies
+  Vec made_at_;             // initial positions of the bodies
   bool planar_;
 };
 
