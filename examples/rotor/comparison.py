@@ -14,6 +14,7 @@ import numpy as np
 import saltus.kernel as sk
 from saltus import plot
 from saltus.examples.figure import panels
+from saltus.examples.rotor.animation import animate
 from saltus.examples.rotor.rotor import CONTACT, END, STABILISED, TIME_STEP, Parameters, build
 from saltus.io import Trajectory
 
@@ -127,7 +128,7 @@ def cost_at(error: float, runs: Sequence[Run], truth: Run) -> float:
 
 
 def show(folder: Path | None) -> None:
-    """Print the table; draw orbit and contact force into the folder if there is one."""
+    """Print the table; draw orbit, contact force and the moving axle into the folder if there is one."""
     truth = reference()
     runs = {scheme: run(scheme, TIME_STEP) for scheme in SHORT}
     print_table(runs, truth)
@@ -142,6 +143,8 @@ def show(folder: Path | None) -> None:
             picture.savefig(folder / f"rotor-{name}.png", dpi=150)
             plt.close(picture)
             print(folder / f"rotor-{name}.png")
+        half = runs[START].trajectory
+        print(animate(half, orbit(half), folder / "rotor.gif"))
 
 
 def print_table(runs: Mapping[str, Run], truth: Run) -> None:

@@ -68,8 +68,9 @@ stands here with θ = ½, implicit in the forces.
 
 5. Run it
 ---------
-Run this file to compare the schemes, with an argument to keep pictures of the orbit and of the contact force
-in that folder. comparison.py makes both; the paper draws no results of this example. rotor.cpp composes the
+Run this file to compare the schemes, with an argument to keep pictures of the orbit and of the contact
+force, and an animation of the bent axle, in that folder. comparison.py and animation.py make them; the paper
+draws no results of this example. rotor.cpp composes the
 same model in C++.
 
 At Δt = 5e-6 s until 0.05 s, on one core,
