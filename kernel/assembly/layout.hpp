@@ -47,30 +47,20 @@ struct Layout {
 
   /// The part of v (n) that belongs to these systems; gathered into `both` if there are two.
   In local(const Sides& part, const Vec& v, double* both) const {
-    const System& first = systems[part.system[0]];
-    if (part.sides == 1) return {v.data() + first.offset, first.n};
-    const System& second = systems[part.system[1]];
-    std::copy_n(v.data() + first.offset, first.n, both);
-    std::copy_n(v.data() + second.offset, second.n, both + first.n);
-    return {both, part.n};
+    return gathered(part, v, both, &System::offset, &System::n);
   }
   /// The same of q (coordinates).
   In local_position(const Sides& part, const Vec& q, double* both) const {
-    const System& first = systems[part.system[0]];
-    if (part.sides == 1) return {q.data() + first.first, first.coordinates};
-    const System& second = systems[part.system[1]];
-    std::copy_n(q.data() + first.first, first.coordinates, both);
-    std::copy_n(q.data() + second.first, second.coordinates, both + first.coordinates);
-    return {both, part.coordinates};
+    return gathered(part, q, both, &System::first, &System::coordinates);
   }
 
   std::vector<System> systems;
   std::vector<Contact> contacts;
   std::vector<Force> forces;
-  double tolerance;  ///< ContactProblem::tolerance
-  int n = 0;         ///< freedoms
-  int coordinates = 0;
-  int rows = 0;  ///< rows of all contacts
+  double tolerance;     ///< ContactProblem::tolerance
+  int n = 0;            ///< freedoms
+  int coordinates = 0;  ///< entries of q
+  int rows = 0;         ///< rows of all contacts
   int gaps = 0;
   int largest_contact = 0;        ///< most freedoms or coordinates of a contact
   int largest_force = 0;          ///< most freedoms or coordinates of a force element
@@ -83,6 +73,14 @@ struct Layout {
   std::size_t jacobian_entries = 0;
 
  private:
+  In gathered(const Sides& part, const Vec& x, double* both, int System::* start, int System::* size) const {
+    const System& first = systems[part.system[0]];
+    if (part.sides == 1) return {x.data() + first.*start, first.*size};
+    const System& second = systems[part.system[1]];
+    std::copy_n(x.data() + first.*start, first.*size, both);
+    std::copy_n(x.data() + second.*start, second.*size, both + first.*size);
+    return {both, first.*size + second.*size};
+  }
   Sides sides(const NonSmoothDynamicalSystem::Ends& ends) const;
 };
 

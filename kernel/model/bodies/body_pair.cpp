@@ -32,6 +32,13 @@ TwistPair::TwistPair(const BodyPair& pair, const In& v) : a(Twist::of(v.data(), 
   if (!pair.grounded) b = Twist::of(v.data() + pair.freedoms(), pair.b);
 }
 
+PointPair::PointPair(const BodyPair& pair, const TwistPair& twists, const Vec3& on_a, const Vec3& on_b) {
+  const Vec3 arm_a = pair.a.R * on_a, arm_b = pair.b.R * on_b;
+  d = pair.a.x + arm_a - pair.b.x - arm_b;
+  rate = twists.a.at(arm_a) - twists.b.at(arm_b);
+  acceleration = twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b);
+}
+
 void add_to_row(const Pose& body, const Vec3& force, const Vec3& moment, double* row) {
   row[0] += force[0];
   row[1] += force[1];

@@ -42,6 +42,13 @@ struct TwistPair {
   TwistPair(const BodyPair& pair, const In& v);
 };
 
+/// From a point of body b to one of body a: d = a − b, and its derivatives while v is constant.
+struct PointPair {
+  Vec3 d, rate, acceleration;  ///< [m], [m/s], [m/s²]
+  /// @param on_a, on_b  in the frames of the bodies [m]
+  PointPair(const BodyPair& pair, const TwistPair& twists, const Vec3& on_a, const Vec3& on_b);
+};
+
 /// row <- row + the coefficients of force · ẋ + moment · ω, for one body's part of a row of Wᵀ.
 void add_to_row(const Pose& body, const Vec3& force, const Vec3& moment, double* row);
 /// The same for both: `force` and a moment on a, the opposite force and another moment on b.

@@ -101,11 +101,9 @@ void SpherePlane::curvature(const In& q, const In& v, Out c) const {
   const BodyPair bodies(q);
   const TwistPair twists(bodies, v);
   const Vec3 n = bodies.b.R * normal_;
-  const Vec3 arm_a = bodies.a.R * centre_, arm_b = bodies.b.R * point_;
-  const Vec3 d = bodies.a.x + arm_a - bodies.b.x - arm_b;
-  const Vec3 rate = twists.a.at(arm_a) - twists.b.at(arm_b);
-  c[0] = n.dot(twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b)) +
-         2.0 * twists.b.omega.cross(n).dot(rate) + twists.b.centripetal(n).dot(d);
+  const PointPair points(bodies, twists, centre_, point_);
+  c[0] = n.dot(points.acceleration) + 2.0 * twists.b.omega.cross(n).dot(points.rate) +
+         twists.b.centripetal(n).dot(points.d);
 }
 
 SphereSphere::SphereSphere(int size, double radius_a, double radius_b, const Vec3& centre_a,
@@ -135,13 +133,9 @@ Closest SphereSphere::closest(const BodyPair& bodies) const {
 // g = |d| − r: ġ = n·ḋ, g̈ = n·d̈ + (|ḋ|² − ġ²) / |d|
 void SphereSphere::curvature(const In& q, const In& v, Out c) const {
   const BodyPair bodies(q);
-  const TwistPair twists(bodies, v);
-  const Vec3 arm_a = bodies.a.R * centre_a_, arm_b = bodies.b.R * centre_b_;
-  const Vec3 d = bodies.a.x + arm_a - bodies.b.x - arm_b;
-  const Vec3 rate = twists.a.at(arm_a) - twists.b.at(arm_b);
-  const double distance = d.norm(), closing = d.dot(rate) / distance;
-  c[0] = d.dot(twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b)) / distance +
-         (rate.squaredNorm() - closing * closing) / distance;
+  const PointPair points(bodies, TwistPair(bodies, v), centre_a_, centre_b_);
+  const double distance = points.d.norm(), closing = points.d.dot(points.rate) / distance;
+  c[0] = (points.d.dot(points.acceleration) + points.rate.squaredNorm() - closing * closing) / distance;
 }
 
 SphereBox::SphereBox(int size, double radius, const Vec3& centre, const Vec3& half_lengths,

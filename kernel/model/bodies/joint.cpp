@@ -151,15 +151,12 @@ void Joint::jacobian(const In& q, OutMatrix J) const {
 void Joint::curvature(const In& q, const In& v, Out c) const {
   const BodyPair bodies(q);
   const TwistPair twists(bodies, v);
-  const Vec3 arm_a = bodies.a.R * point_a_, arm_b = bodies.b.R * point_b_;
-  const Vec3 d = bodies.a.x + arm_a - bodies.b.x - arm_b;
-  const Vec3 rate = twists.a.at(arm_a) - twists.b.at(arm_b);
-  const Vec3 change = twists.a.centripetal(arm_a) - twists.b.centripetal(arm_b);
+  const PointPair points(bodies, twists, point_a_, point_b_);
   for (int i = 0; i < size(); ++i) {
     const Vec3 e = bodies.b.R * rows_[i].on_b, turned = twists.b.omega.cross(e);
     const Vec3 curved = twists.b.centripetal(e);
     if (rows_[i].of_points) {
-      c[i] = e.dot(change) + 2.0 * turned.dot(rate) + curved.dot(d);
+      c[i] = e.dot(points.acceleration) + 2.0 * turned.dot(points.rate) + curved.dot(points.d);
     } else {
       const Vec3 f = bodies.a.R * rows_[i].on_a;
       c[i] = twists.a.centripetal(f).dot(e) + 2.0 * twists.a.omega.cross(f).dot(turned) + f.dot(curved);
