@@ -47,6 +47,10 @@ void Recording::observe(const StepView& view) {
   work_impulse.push_back(view.report.work_impulse);
   step.push_back(view.step);
   closed.push_back(view.report.closed);
+  accepted_steps.push_back(view.report.accepted_steps);
+  rejected_steps.push_back(view.report.rejected_steps);
+  event_steps.push_back(view.report.event_steps);
+  captures.push_back(view.report.captures);
   impulsive.push_back(view.report.impulsive ? 1 : 0);
   if (sink_ && (rows() >= chunk_rows_ || now() - last_ >= chunk_seconds_)) flush();
 }
@@ -94,6 +98,10 @@ const std::vector<Column>& run_columns() {
       {"work_forces", "J", Width::one, &Recording::work_forces},
       {"work_lambda", "J", Width::one, &Recording::work_lambda},
       {"work_impulse", "J", Width::one, &Recording::work_impulse},
+      {"accepted_steps", "1", Width::one, &Recording::accepted_steps},
+      {"rejected_steps", "1", Width::one, &Recording::rejected_steps},
+      {"event_steps", "1", Width::one, &Recording::event_steps},
+      {"captures", "1", Width::one, &Recording::captures},
   };
   return table;
 }

@@ -43,7 +43,8 @@ class Recording final : public Observer {
   std::vector<double> kinetic_energy, potential_energy;        ///< (rows) [J]
   std::vector<double> work_forces, work_lambda, work_impulse;  ///< (rows) [J], of the recorded step
   std::vector<long> step, closed;                              ///< (rows)
-  std::vector<unsigned char> impulsive;                        ///< (rows)
+  std::vector<long> accepted_steps, rejected_steps, event_steps, captures;  ///< (rows), of the recorded step
+  std::vector<unsigned char> impulsive;                                     ///< (rows)
 
  private:
   long every_;

@@ -19,6 +19,7 @@ py::dict to_dict(const SchemeProperties& properties) {
   all["order_sliding"] = properties.order_sliding;
   all["forces_at_rest"] = properties.forces_at_rest;
   all["impact_law"] = properties.impact_law;
+  all["error_controlled"] = properties.error_controlled;
   return all;
 }
 
@@ -40,6 +41,7 @@ SchemeProperties to_properties(const py::dict& given) {
   properties.order_sliding = known["order_sliding"].cast<int>();
   properties.forces_at_rest = known["forces_at_rest"].cast<bool>();
   properties.impact_law = known["impact_law"].cast<bool>();
+  properties.error_controlled = known["error_controlled"].cast<bool>();
   return properties;
 }
 
@@ -175,7 +177,15 @@ void bind_report(py::module_& module) {
       .def_readwrite("kinetic_energy", &StepReport::kinetic_energy, "at the end [J]")
       .def_readwrite("work_forces", &StepReport::work_forces, "of h and of the change of M over the step [J]")
       .def_readwrite("work_lambda", &StepReport::work_lambda, "of λ⁺ and λ⁻ over the step [J]")
-      .def_readwrite("work_impulse", &StepReport::work_impulse, "of Λ [J]");
+      .def_readwrite("work_impulse", &StepReport::work_impulse, "of Λ [J]")
+      .def_readwrite("accepted_steps", &StepReport::accepted_steps,
+                     "of a scheme that chooses steps of its own within this one: those taken; 0 of others")
+      .def_readwrite("rejected_steps", &StepReport::rejected_steps,
+                     "likewise: taken again because their error was too large")
+      .def_readwrite("event_steps", &StepReport::event_steps,
+                     "likewise: ended at a closing contact, or another event, that was located")
+      .def_readwrite("captures", &StepReport::captures,
+                     "likewise: contacts closed plastically, because their bounces have become too short");
 }
 
 // What the registry was asked for, or, of an object that a Python class made by itself, its numbers and

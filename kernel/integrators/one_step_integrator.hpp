@@ -53,6 +53,11 @@ struct StepReport {
   double work_forces = 0.0;     ///< of h by the scheme's quadrature, ½ vᵀṀv by the trapezoidal rule [J]
   double work_lambda = 0.0;     ///< of λ by the scheme's quadrature [J]
   double work_impulse = 0.0;    ///< of Λ: exactly the jump of the kinetic energy [J]
+  // Of schemes that choose steps of their own within this one; 0 of others.
+  int accepted_steps = 0;  ///< steps taken
+  int rejected_steps = 0;  ///< those taken again because their error was too large
+  int event_steps = 0;     ///< those ended at a closing contact, or another event, that was located
+  int captures = 0;        ///< contacts closed plastically, because their bounces have become too short
 };
 
 /// A one-step scheme: takes a state from t to t + dt.

@@ -383,6 +383,10 @@ class StepReport:
     work_forces: float
     work_lambda: float
     work_impulse: float
+    accepted_steps: int
+    rejected_steps: int
+    event_steps: int
+    captures: int
 
 class Configuration:
     def __init__(self, system: NonSmoothDynamicalSystemBase) -> None: ...

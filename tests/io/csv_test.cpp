@@ -61,7 +61,7 @@ TEST(Csv, HeaderNamesEveryFieldWithItsUnit) {
   EXPECT_EQ(header.substr(0, 42), "t [s],step [1],q0 [m or rad],q1 [m or rad]");
   EXPECT_EQ(header.substr(header.size() - 2), "\r\n");
   const auto fields = split(header, ",");
-  EXPECT_EQ(fields.size(), 2u + 6 + 4 + 5 * 8 + 9);
+  EXPECT_EQ(fields.size(), 2u + 6 + 4 + 5 * 8 + 13);
   for (const char* title : {"upper left.gap0 [m]", "lower right.impulse1 [N s]", "v2 [m/s or rad/s]"})
     EXPECT_EQ(std::count(fields.begin(), fields.end(), title), 1) << title;
 }
@@ -80,7 +80,7 @@ TEST(Csv, WritesWhatIsNoNumberAsSuch) {
   recording.t[0] = 0.1;
   std::ostringstream text;
   write_csv_rows(text, recording);
-  EXPECT_EQ(text.str(), "0.1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,nan,1,1,1\r\n");
+  EXPECT_EQ(text.str(), "0.1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,nan,1,1,1,1,1,1,1\r\n");
 }
 
 }  // namespace

@@ -18,20 +18,21 @@ constexpr double sticking_margin = 1e-9;
 bool HalfExplicit::is_held(int contact, const State& state) {
   if (!state.held.empty()) return state.held[contact];
   const auto& slot = layout_->contacts[contact];
-  if (!(at(0).gaps()[slot.gap] <= at(0).gap_tolerance(contact, 0))) return false;
-  at(0).relative_velocity(contact, state.v, gamma_.data() + slot.row);
-  return std::abs(gamma_[slot.row]) <= at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
+  if (!(rows_.at(0).gaps()[slot.gap] <= rows_.at(0).gap_tolerance(contact, 0))) return false;
+  rows_.at(0).relative_velocity(contact, state.v, gamma_.data() + slot.row);
+  return std::abs(gamma_[slot.row]) <= rows_.at(0).velocity_tolerance(contact, state.v, state.v, 0.0);
 }
 
 // Is a contact of C_i still approaching, or a bilateral one violated, at t0 or after an impact elsewhere? A
 // multiplier has to stop it within the first stage, and the other stages of a scheme of higher order would
 // throw it back.
 bool HalfExplicit::approaches(double dt) {
-  const Stage& first = stages_[0];
+  const Stage& first = rows_.at_stage(0);
   for (int k : start_) {
     const auto& contact = layout_->contacts[k];
-    at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
-    const double zero = approach_in_tolerances * at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
+    rows_.at(0).relative_velocity(k, first.v, gamma_.data() + contact.row);
+    const double zero =
+        approach_in_tolerances * rows_.at(0).velocity_tolerance(k, first.v, first.acceleration, dt);
     for (int i = 0; i < contact.gaps; ++i) {
       const double gamma = gamma_[contact.row + i];
       if (gamma < -zero || (contact.law->bilateral && gamma > zero)) return true;
@@ -43,10 +44,10 @@ bool HalfExplicit::approaches(double dt) {
 // Can the gap at the end have drifted open? Not if it is larger than the way of the step: the geometry is
 // another one then, such as beyond the edge of a table.
 bool HalfExplicit::within_reach(int contact, double dt) {
-  const Stage& last = stages_[s_];
+  const Stage& last = rows_.at_stage(rows_.s());
   const double speed =
-      at(s_ + 1).velocity_tolerance(contact, last.v, last.acceleration, dt) / layout_->tolerance;
-  return at(s_ + 1).gaps()[layout_->contacts[contact].gap] <= dt * speed;
+      rows_.end().velocity_tolerance(contact, last.v, last.acceleration, dt) / layout_->tolerance;
+  return rows_.end().gaps()[layout_->contacts[contact].gap] <= dt * speed;
 }
 
 // Closed contacts that do not open, S2 of (52); the solver's tolerance must not tell those at rest apart
@@ -61,7 +62,7 @@ void HalfExplicit::choose_staying(Configuration& at, const Stage& stage, double 
 }
 
 bool HalfExplicit::newly_closed() {
-  for (int k : at(s_ + 1).closed_contacts())
+  for (int k : rows_.end().closed_contacts())
     if (!in_start_[k]) return true;
   return false;
 }
@@ -70,11 +71,12 @@ bool HalfExplicit::newly_closed() {
 // that do not follow each other in time cannot tell when it changes: their multipliers would throw it up, or
 // to and fro, by a part of h Δt again and again.
 bool HalfExplicit::changes_contacts(int last, double dt) {
-  const ContactProblem& problem = contacts_->assembly().problem();  // of active_
+  const ContactProblem& problem = rows_.contacts().assembly().problem();  // of active_
   int row = 0;
   for (int k : active_) {
     const auto& slot = layout_->contacts[k];
-    const double tolerance = at(0).velocity_tolerance(k, stages_[0].v, stages_[0].acceleration, dt);
+    const double tolerance =
+        rows_.at(0).velocity_tolerance(k, rows_.at_stage(0).v, rows_.at_stage(0).acceleration, dt);
     // What rounding makes of no force: an impulse that changes γ by a few times its tolerance.
     const double zero = force_in_tolerances * tolerance / (dt * least_weight_ * entry(problem, row, row));
     row += slot.rows;
@@ -88,7 +90,7 @@ bool HalfExplicit::changes_contacts(int last, double dt) {
 // 0 open, 1 closed or sticking, 2 and 3 sliding. @param zero  forces up to this are none [N]
 int HalfExplicit::contact_state(int contact, int stage, double zero) const {
   const auto& slot = layout_->contacts[contact];
-  const double* lambda = stages_[stage].lambda.data() + slot.row;
+  const double* lambda = rows_.at_stage(stage).lambda.data() + slot.row;
   if (!(lambda[0] > zero)) return 0;
   const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
   if (!law) return 1;
@@ -99,27 +101,27 @@ int HalfExplicit::contact_state(int contact, int stage, double zero) const {
 
 // Does the impact act on this contact? It is closed, or held and pressed.
 bool HalfExplicit::impacts(int contact, double dt) {
-  if (at(s_ + 1).closed(contact)) return true;
+  if (rows_.end().closed(contact)) return true;
   if (settings_.activity != Activity::sticky || !in_start_[contact] || !within_reach(contact, dt))
     return false;
-  const bool known = settings_.impact == ImpactRule::keep_resting_forces || s_ == 0;
-  return stages_[known ? s_ : s_ - 1].lambda[layout_->contacts[contact].row] > 0.0;
+  const bool known = settings_.impact == ImpactRule::keep_resting_forces || rows_.s() == 0;
+  return rows_.at_stage(known ? rows_.s() : rows_.s() - 1).lambda[layout_->contacts[contact].row] > 0.0;
 }
 
 // Contacts that the next step finds closed whatever their gap: pressed by the last multiplier, or not
 // separated by the impact
 void HalfExplicit::hold(double dt, bool impulsive, std::vector<unsigned char>& held) {
   held.assign(in_start_.size(), 0);
-  Configuration& end = at(s_ + 1);
+  Configuration& end = rows_.end();
   for (int k : active_) {
     const int row = layout_->contacts[k].row;
     if (impulsive) {
-      end.relative_velocity(k, stages_[s_ + 1].v, gamma_.data() + row);
+      end.relative_velocity(k, rows_.output().v, gamma_.data() + row);
       // v_s is about v⁻: the terms that cancel in v⁺
-      held[k] =
-          std::abs(gamma_[row]) <= end.velocity_tolerance(k, stages_[s_].v, stages_[s_].acceleration, dt);
+      held[k] = std::abs(gamma_[row]) <= end.velocity_tolerance(k, rows_.at_stage(rows_.s()).v,
+                                                                rows_.at_stage(rows_.s()).acceleration, dt);
     } else {
-      held[k] = stages_[s_].lambda[row] > 0.0 && within_reach(k, dt);
+      held[k] = rows_.at_stage(rows_.s()).lambda[row] > 0.0 && within_reach(k, dt);
     }
   }
 }

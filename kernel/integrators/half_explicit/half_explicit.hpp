@@ -4,9 +4,7 @@
 #include <vector>
 
 #include "saltus/kernel/assembly/position_projection.hpp"
-#include "saltus/kernel/integrators/contact_stage.hpp"
-#include "saltus/kernel/integrators/half_explicit/sliding.hpp"
-#include "saltus/kernel/integrators/half_explicit/tableau.hpp"
+#include "saltus/kernel/integrators/half_explicit/rows.hpp"
 
 namespace saltus {
 
@@ -51,31 +49,17 @@ class HalfExplicit final : public OneStepIntegrator {
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
   std::unique_ptr<OneStepIntegrator> clone() const override {
-    return std::make_unique<HalfExplicit>(name_, tableau_, settings_);
+    return std::make_unique<HalfExplicit>(name_, rows_.tableau(), settings_);
   }
 
  private:
-  struct Stage {
-    Vec v;                // velocity
-    Vec rate;             // q̇ = Y v, of models with velocity maps
-    Vec h;                // forces
-    Vec acceleration;     // M⁻¹h
-    bool loaded = false;  // contacts carry λ; else λ is zero, and reaction is not looked at
-    Vec reaction;         // M⁻¹Wλ
-    Vec lambda;           // (rows of all contacts) [N]
-  };
+  using Stage = Rows::Stage;
 
   void begin(const State& state, const Reactions& reactions);
   bool is_held(int contact, const State& state);
   bool row(int l, double dt, StepReport& report);
-  void constrain_velocity(int l, double dt);
-  void constrain_acceleration(int l, double dt);
-  bool stage(int l, double t, double dt, StepReport& report);
   bool move_to_end(double dt, StepReport& report);
   bool impact(double dt, StepReport& report);
-  void position(const Matrix& A, int l, double dt);
-  void move(Configuration& configuration, int l, double dt);
-  double time(int l, double dt) const { return t_ + (l <= s_ ? tableau_.c[l] * dt : dt); }
   void choose_active(int l, const Configuration& constraint);
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
@@ -85,36 +69,22 @@ class HalfExplicit final : public OneStepIntegrator {
   bool within_reach(int contact, double dt);
   bool impacts(int contact, double dt);
   void hold(double dt, bool impulsive, std::vector<unsigned char>& held);
-  void take_work(double dt, StepReport& report);
-  double lambda_power(int k);
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
-  Configuration& at(int l) { return configurations_[slot_[l]]; }
 
   std::string name_;
-  Tableau tableau_;
   HalfExplicitSettings settings_;
-  int s_;                           // rows 1..s_, output s_+1
-  double least_weight_;             // smallest a_{l,l-1}, b_s
-  bool in_order_;                   // the stages follow each other in time
-  std::vector<char> explicit_;      // per row: Ac = Aq, the constraint is taken at the row's own position
-  std::vector<char> same_as_last_;  // per row: its position is that of the row before
-  std::vector<char> is_end_;        // per row: its position is that of the output
+  Rows rows_;
+  double least_weight_;  // smallest a_{l,l-1}, b_s
+  bool in_order_;        // the stages follow each other in time
 
   std::shared_ptr<const Layout> layout_;
-  std::vector<Configuration> configurations_;
-  std::vector<int> slot_;  // per row 0..s_+1: which configuration
-  std::unique_ptr<Configuration> predicted_;
-  std::unique_ptr<ContactStage> contacts_;
-  std::unique_ptr<Sliding> sliding_;
-  std::vector<Stage> stages_;  // 0..s_+1
   std::unique_ptr<PositionProjection> projection_;
   std::unique_ptr<HalfExplicit> simple_;  // Heun's tableau, for steps in which more stages do harm
   std::vector<int> start_;                // C_i
   std::vector<unsigned char> in_start_;   // the same as flags
   std::vector<int> active_;               // of the contact problem at hand
   std::vector<int> drifted_;              // that may be pulled back
-  Vec q_, gamma_, impulse_;
-  double t_ = 0.0;  // of the start of the step
+  Vec gamma_, impulse_;
 };
 
 }  // namespace saltus

@@ -1,10 +1,10 @@
 """Runs in HDF5 files. There is one writer, for runs in memory and for those written while they go on.
 
-Layout, format 2
+Layout, format 3
 ----------------
 | | |
 |---|---|
-| attribute `saltus_format` | 2 |
+| attribute `saltus_format` | 3 |
 | attributes `layout`, `provenance` | JSON |
 | `rows` | number of complete rows: what stands behind them in the datasets does not count |
 | `columns/<name>` | (rows, ...) one dataset a column |
@@ -37,7 +37,7 @@ from saltus.io.records import UNITS, ContactSlot, Layout, Provenance, Rows, Shap
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 LIBRARY = ("v110", "v110")  #: the oldest HDF5 that knows the single-writer mode can read the files
 CHUNK_BYTES = 1 << 22  #: of the rows that are written at a time
 BLOCK_ROWS = 1024  #: at most, of the pieces in which HDF5 stores a dataset

@@ -81,8 +81,7 @@ class Trajectory:
     @property
     def step(self) -> IntArray:
         """Number of the step of each row (rows,)."""
-        column: IntArray = self.columns()["step"]
-        return column
+        return self._int("step")
 
     @property
     def q(self) -> FloatArray:
@@ -103,8 +102,7 @@ class Trajectory:
     @property
     def closed(self) -> IntArray:
         """Number of closed contacts at the end of the step (rows,)."""
-        column: IntArray = self.columns()["closed"]
-        return column
+        return self._int("closed")
 
     @property
     def residual(self) -> FloatArray:
@@ -147,6 +145,26 @@ class Trajectory:
         return self._float("work_impulse")
 
     @property
+    def accepted_steps(self) -> IntArray:
+        """Steps that the scheme took within each step of Δt (rows,); 0 if it chooses none of its own."""
+        return self._int("accepted_steps")
+
+    @property
+    def rejected_steps(self) -> IntArray:
+        """Those it took again because their error was too large (rows,)."""
+        return self._int("rejected_steps")
+
+    @property
+    def event_steps(self) -> IntArray:
+        """Those it ended at an event that was located, such as a closing contact (rows,)."""
+        return self._int("event_steps")
+
+    @property
+    def captures(self) -> IntArray:
+        """Contacts closed plastically because their bounces had become too short (rows,)."""
+        return self._int("captures")
+
+    @property
     def shapes(self) -> list[ShapeRecord]:
         """The systems' shapes with their poses in every row."""
         return follow(self._shapes, self.layout, self.q)
@@ -185,6 +203,10 @@ class Trajectory:
         count = len(self)
         span = f"t = {self.t[0]:g} ... {self.t[-1]:g} s" if count else "empty"
         return f"<Trajectory {self.provenance.integrator}: {count} rows, {span}>"
+
+    def _int(self, name: str) -> IntArray:
+        column: IntArray = self.columns()[name]
+        return column
 
     def _float(self, name: str) -> FloatArray:
         column: FloatArray = self.columns()[name]
