@@ -35,7 +35,8 @@ PositionProjection::PositionProjection(const std::shared_ptr<const Layout>& layo
 }
 
 void PositionProjection::pull(const std::vector<int>& held, Configuration& at, double t,
-                              const BlockInverse& inverse) {
+                              const BlockInverse& inverse, const Vec* level) {
+  level_ = level;
   iterate(held, at, t, inverse);
   bilateral_.clear();
   for (int k : held)
@@ -53,7 +54,7 @@ void PositionProjection::iterate(const std::vector<int>& held, Configuration& at
     before = largest;
     assembly_.assemble(violated_, at, at, inverse);
     assembly_.gather(at.gaps(), -1.0, aim_);
-    aim_below_zero(at);
+    aim(at);
     change_.setZero();
     assembly_.apply(1.0, solve(), change_);
     position_rates(*layout_, at.q(), change_, rate_);
@@ -80,12 +81,13 @@ const double* PositionProjection::solve() {
   return dense_.solve();
 }
 
-// Unilateral contacts must be closed after it, g <= 0, in spite of rounding.
-void PositionProjection::aim_below_zero(Configuration& at) {
+// Unilateral contacts to their level; without one they must be closed after it, g <= 0, in spite of rounding.
+void PositionProjection::aim(Configuration& at) {
   int row = 0;
   for (int k : violated_) {
-    if (!layout_->contacts[k].law->bilateral) aim_[row] -= at.gap_tolerance(k, 0);
-    row += layout_->contacts[k].gaps;
+    const auto& contact = layout_->contacts[k];
+    if (!contact.law->bilateral) aim_[row] += level_ ? (*level_)[contact.gap] : -at.gap_tolerance(k, 0);
+    row += contact.gaps;
   }
 }
 
@@ -96,13 +98,14 @@ double PositionProjection::take_violated(const std::vector<int>& held, Configura
   double largest = 0.0;
   for (int k : held) {
     const auto& contact = layout_->contacts[k];
-    const bool bilateral = contact.law->bilateral;
-    if (!bilateral && !pulled_[k] && !(at.gaps()[contact.gap] > 0.0)) continue;
+    const bool both_ways = level_ || contact.law->bilateral;
+    if (!both_ways && !pulled_[k] && !(at.gaps()[contact.gap] > 0.0)) continue;
     violated_.push_back(k);
     pulled_[k] = 1;
     for (int row = 0; row < contact.gaps; ++row) {
-      const double gap = at.gaps()[contact.gap + row];
-      const bool off = bilateral ? std::abs(gap) > at.gap_tolerance(k, row) : gap > 0.0;
+      const double gap =
+          at.gaps()[contact.gap + row] - (level_ && !contact.law->bilateral ? (*level_)[contact.gap] : 0.0);
+      const bool off = both_ways ? std::abs(gap) > at.gap_tolerance(k, row) : gap > 0.0;
       if (off) largest = std::max(largest, std::abs(gap));
     }
   }

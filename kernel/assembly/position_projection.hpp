@@ -20,15 +20,19 @@ class PositionProjection {
   /// @param at       moved to the new position
   /// @param inverse  of M, which is not taken anew while the position moves
   /// @param t        time of the geometry [s]
-  void pull(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse);
+  /// @param level    where gaps of unilateral contacts are to be (gaps) [m], pulled from above and from below:
+  ///                 for schemes whose closed contacts stay closed at any gap. Without it only open ones are
+  void pull(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse,
+            const Vec* level = nullptr);
 
  private:
   void iterate(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse);
-  void aim_below_zero(Configuration& at);
+  void aim(Configuration& at);
   double take_violated(const std::vector<int>& held, Configuration& at);
   const double* solve();
 
   std::shared_ptr<const Layout> layout_, gap_rows_;
+  const Vec* level_ = nullptr;
   ContactAssembly assembly_;  // of the rows of gaps
   DenseSolve dense_;
   SparseSolve sparse_;  // where there are many gaps

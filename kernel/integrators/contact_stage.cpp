@@ -33,6 +33,23 @@ ContactStage::ContactStage(std::shared_ptr<const Layout> layout, std::shared_ptr
 
 bool ContactStage::solve(StepReport& report) { return solve(assembly_.problem(), P_, report); }
 
+void ContactStage::meet(const std::vector<int>& active, Configuration& at, const Vec& v, Vec& gamma) {
+  assembly_.assemble(active, at, at, at);
+  assembly_.set_b(at, v);
+  assembly_.scatter(assembly_.problem().b, 1.0, gamma);
+}
+
+bool ContactStage::strike(Configuration& at, const Vec& gamma, const Vec& rebound, Vec& v, Vec& impulse,
+                          StepReport& report) {
+  assembly_.add_restitution(rebound);  // (59)
+  assembly_.gather(impulse, 1.0, P_);
+  if (!solve(report)) return false;  // (56)-(58)
+  assembly_.scatter(P_, 1.0, impulse);
+  report.work_impulse += assembly_.work(P_, at, gamma);
+  assembly_.apply(1.0, P_.data(), v);  // (68)
+  return true;
+}
+
 bool ContactStage::solve(const ContactProblem& problem, PoolVec& P, StepReport& report) {
   if (problem.rows() == 0) return true;
   if (!problem.b.view().allFinite()) {

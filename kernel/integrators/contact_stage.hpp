@@ -26,6 +26,15 @@ class ContactStage {
   /// The same of a problem made of the assembled one. @param P (rows) in: warm start; out: solution
   bool solve(const ContactProblem& problem, PoolVec& P, StepReport& report);
 
+  /// Assembles the problem of an impact of these contacts. @param[out] gamma  γ⁻ (rows of all contacts) [m/s]
+  void meet(const std::vector<int>& active, Configuration& at, const Vec& v, Vec& gamma);
+  /// The impact law (56)-(59) of the contacts that have met, v <- v⁺ (68), and the work of the impulses.
+  /// @param rebound  what is returned times ε (rows) [m/s]: γ⁻, or 0 of a contact that is to stay closed
+  /// @param impulse  Λ (rows) [N s]; in: warm start
+  /// @return false if the status in the report is no longer ok
+  bool strike(Configuration& at, const Vec& gamma, const Vec& rebound, Vec& v, Vec& impulse,
+              StepReport& report);
+
  private:
   ContactAssembly assembly_;
   ContactSolver* solver_;

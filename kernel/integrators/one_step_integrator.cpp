@@ -17,6 +17,7 @@ std::string_view to_string(StepStatus status) {
     case StepStatus::mass_not_positive_definite: return "the mass matrix is not positive definite";
     case StepStatus::iteration_failed: return "the iteration for the velocities does not converge";
     case StepStatus::gap_not_finite: return "a gap is not finite";
+    case StepStatus::too_many_steps: return "the steps that meet the tolerance are too many";
     case StepStatus::not_finite: break;
   }
   return "the velocities are not finite";

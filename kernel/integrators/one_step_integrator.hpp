@@ -35,6 +35,7 @@ enum class StepStatus {
   mass_not_positive_definite,  ///< M(q) cannot be factorised
   iteration_failed,            ///< Newton's iteration of an implicit scheme does not converge
   gap_not_finite,              ///< NaN or infinity in a gap: it can be neither open nor closed
+  too_many_steps,              ///< a scheme that chooses its steps makes no headway
   not_finite,                  ///< NaN or infinity in velocities: the motion diverges
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "saltus/kernel/integrators/adaptive/adaptive_half_explicit.hpp"
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 #include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/impact_refinement.hpp"
@@ -130,6 +131,38 @@ std::unique_ptr<OneStepIntegrator> make_acceleration(const Options&) {
 const SchemeOption theta_option = {
     "theta", 0.5, {}, "weight of the end of the step in forces and positions, in [0, 1]"};
 
+std::vector<SchemeOption> error_control_options() {
+  const ErrorControl standard;
+  return {
+      {"rtol", standard.rtol, {}, "relative tolerance of positions and velocities in an inner step"},
+      {"atol", standard.atol, {}, "absolute tolerance, in the unit of each"},
+      {"method",
+       "third-order",
+       {"third-order", "trapezoidal"},
+       "the third-order tableau with the trapezoidal rule on its stages to compare with, or the trapezoidal "
+       "scheme in one step and in two halves, extrapolated"},
+      {"minimum_step",
+       standard.minimum_step,
+       {},
+       "inner steps are not made smaller [s]; bounces that follow each other within it end. 0: a millionth "
+       "of "
+       "the step of the simulation"},
+      {"velocity_tolerance",
+       standard.velocity_tolerance,
+       {},
+       "contacts that meet with less are closed plastically [m/s]"},
+  };
+}
+
+std::unique_ptr<OneStepIntegrator> make_adaptive(const Options& options) {
+  const auto number_of = [&](const char* name) { return std::get<double>(options.at(name)); };
+  return std::make_unique<AdaptiveHalfExplicit>(
+      word(options, "method") == "trapezoidal" ? trapezoidal_trial : third_order_trial,
+      ErrorControl{{number_of("rtol"), number_of("atol")},
+                   number_of("minimum_step"),
+                   number_of("velocity_tolerance")});
+}
+
 std::string join(const std::vector<std::string>& words) {
   std::string all;
   for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
@@ -218,6 +251,16 @@ Registry<IntegratorEntry>& table() {
            .imply = imply_on_velocity_level,
            .properties_with =
                [](const Options& options) { return velocity_level_properties({2, 2}, options); }},
+          {.name = "AdaptiveHalfExplicitOSI",
+           .summary =
+               "half-explicit scheme that chooses its steps to meet a tolerance, through impacts as well",
+           .options = error_control_options(),
+           .properties = {.order_free = 3,
+                          .order_bilateral = 3,
+                          .order_sliding = 3,
+                          .forces_at_rest = true,
+                          .error_controlled = true},
+           .make = make_adaptive},
           {.name = runge_kutta_name,
            .summary = "explicit Runge-Kutta schemes of order 2 to 5 on velocity level (B.9)-(B.16), forces "
                       "and impulses told apart",

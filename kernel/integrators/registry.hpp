@@ -23,8 +23,8 @@ struct SchemeProperties {
   int order_sliding = 1;        ///< in persistent sliding, also where its direction turns in space
   bool impact_law = true;       ///< restitution by the law in every phase of a step
   bool forces_at_rest = false;  ///< at rest λ = mg and Λ = 0; otherwise Λ = m g Δt
-  /// Chooses steps of its own to meet a tolerance, rtol: errors do not depend on Δt, and orders are not
-  /// claimed
+  /// Chooses steps of its own to meet a tolerance: errors follow its rtol and not Δt, orders are those of its
+  /// own steps
   bool error_controlled = false;
 };
 

@@ -75,7 +75,8 @@ TEST_P(BodyOrder, SkiddingOnOnePoint) {
   expect(make_skidding_body(mu), exact_skidding_body(mu, 0.05), order, order > 3 ? 8 : 50);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, BodyOrder, testing::ValuesIn(and_accurate_ones(scheme_names())),
+INSTANTIATE_TEST_SUITE_P(Schemes, BodyOrder,
+                         testing::ValuesIn(with_fixed_steps(and_accurate_ones(scheme_names()))),
                          [](const auto& test) { return test.param; });
 
 TEST(NewtonEuler, TheQuaternionKeepsItsLength) {

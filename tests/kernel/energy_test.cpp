@@ -109,7 +109,7 @@ TEST_P(EnergyOfImpulses, TheirWorkIsExactlyTheJumpOfTheKineticEnergy) {
   EXPECT_GT(impacts, 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, Energy, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, Energy, testing::ValuesIn(with_fixed_steps(scheme_names())),
                          [](const auto& test) { return test.param; });
 // Where Λ is one impulse at the end of the step
 std::vector<std::string> single_impulse_schemes() {
@@ -118,9 +118,10 @@ std::vector<std::string> single_impulse_schemes() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfImpulses, testing::ValuesIn(single_impulse_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfImpulses,
+                         testing::ValuesIn(with_fixed_steps(single_impulse_schemes())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfFriction, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, EnergyOfFriction, testing::ValuesIn(with_fixed_steps(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 TEST(EnergyBalance, AnElasticImpactTakesNothingAPlasticOneTakesAll) {

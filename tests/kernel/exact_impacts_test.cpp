@@ -105,7 +105,8 @@ TEST_P(FrictionalImpacts, ARockingBlockLosesWhatHousnerSays) {
   model.link(linear_contact(right, vec({-h + 1e-7, 0.0}), law, "right"), *block);
   TimeStepping simulation(model, *make_scheme(GetParam()), 1e-6);
   simulation.step();
-  EXPECT_EQ(simulation.report().closed, 2);
+  // One that the impact opens is no longer closed where a scheme remembers its contacts.
+  EXPECT_EQ(simulation.report().closed, scheme_properties(GetParam()).error_controlled ? 1 : 2);
   EXPECT_NEAR(simulation.state().v[2] / omega, 1.0 - 1.5 * sin2, 1e-12);
   EXPECT_NEAR(simulation.reactions().impulse[0], 0.0, 1e-14);
   EXPECT_GT(simulation.reactions().impulse[2], 0.01);

@@ -108,7 +108,9 @@ TEST_P(ExactMotions, TimeDependentForcesAreTakenAtTheStagesTimes) {
                 : order == 2 ? dt * 1.5 * (left * left + right * right)
                              : dt * 3.0 * left * left;
   }
-  EXPECT_NEAR(run_to(model, *scheme_, dt, 1.5).v[0], expected, 1e-13);
+  // What chooses its own steps has a tolerance of 1e-6.
+  const double slack = scheme_properties(GetParam()).error_controlled ? 1e-6 * expected : 1e-13;
+  EXPECT_NEAR(run_to(model, *scheme_, dt, 1.5).v[0], expected, slack);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, ExactMotions, testing::ValuesIn(and_accurate_ones(scheme_names())),

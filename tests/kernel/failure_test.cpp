@@ -72,6 +72,7 @@ class Failure : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
+  if (scheme_properties(GetParam()).error_controlled) GTEST_SKIP() << "it has computed beyond the state";
   const auto fails = std::make_shared<bool>(false);
   Failing solver(fails);
   const auto model = make_bowl(mu_taken_by(GetParam(), 0.3));
@@ -161,7 +162,7 @@ TEST_P(Failure, ADirectionThatIsNoNumberNamesItsContact) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, Failure, testing::ValuesIn(and_accurate_ones(scheme_names())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, Divergence, testing::ValuesIn(explicit_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, Divergence, testing::ValuesIn(with_fixed_steps(explicit_schemes())),
                          [](const auto& test) { return test.param; });
 
 TEST(StepStatus, HasASentenceEach) {

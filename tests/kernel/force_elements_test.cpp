@@ -182,7 +182,7 @@ TEST(SpringPendulum, KeepsItsEnergy) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, ForceElements, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, ForceElements, testing::ValuesIn(with_fixed_steps(scheme_names())),
                          [](const auto& test) { return test.param; });
 
 // Counts how often a step asks for the length: twice an iteration, and at the start and the end of a step.

@@ -86,7 +86,8 @@ TEST_P(MovingGeometry, TheDriveDoesTheWork) {
   EXPECT_LT(missing.back(), 0.6 * missing.front() + 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, MovingGeometry, testing::ValuesIn(and_accurate_ones(scheme_names())),
+INSTANTIATE_TEST_SUITE_P(Schemes, MovingGeometry,
+                         testing::ValuesIn(with_fixed_steps(and_accurate_ones(scheme_names()))),
                          [](const auto& test) { return test.param; });
 
 TEST(MovingGeometryOf, MotionAndCurvatureAreThoseOfTheGap) {

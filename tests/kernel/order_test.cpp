@@ -68,9 +68,9 @@ TEST_P(Order, BilateralConstraintDriftsNoFasterThanTheOrder) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, Order, testing::ValuesIn(scheme_names()),
+INSTANTIATE_TEST_SUITE_P(Schemes, Order, testing::ValuesIn(with_fixed_steps(scheme_names())),
                          [](const auto& test) { return test.param; });
-INSTANTIATE_TEST_SUITE_P(Schemes, OrderOfFriction, testing::ValuesIn(frictional_schemes()),
+INSTANTIATE_TEST_SUITE_P(Schemes, OrderOfFriction, testing::ValuesIn(with_fixed_steps(frictional_schemes())),
                          [](const auto& test) { return test.param; });
 
 TEST(HalfExplicitOrder, ThePredictedActivityIsOfSecondOrderWithoutImpacts) {

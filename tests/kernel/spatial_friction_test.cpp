@@ -105,7 +105,7 @@ TEST_P(FrictionInSpace, OnTheCriticalInclineSidewaysMotionTurnsDownhill) {
   const std::vector<double> dt = {4e-3, 2e-3, 1e-3};
   for (double h : dt) error.push_back(std::abs(sum(run_to(make_sledge(sledge), *scheme_, h, 0.4)) - v0));
   EXPECT_LT(error.back(), 2e-3 * v0);
-  if (error.back() > 1e-11) {  // else rounding
+  if (error.back() > 1e-11 && !scheme_properties(GetParam()).error_controlled) {  // else rounding
     EXPECT_GE(slope(dt, error), 0.8);
   }
   const State end = run_to(make_sledge(sledge), *scheme_, 1e-3, 5.0);
@@ -118,6 +118,7 @@ const Sledge curved{
     .position = vec({0.3, 0.0}), .velocity = vec({1.0, 2.0}), .mu = 0.2, .stiffness = vec({20.0, 60.0})};
 
 TEST_P(FrictionInSpace, TheOrderHoldsWhereTheDirectionOfSlidingTurns) {
+  if (scheme_properties(GetParam()).error_controlled) GTEST_SKIP() << "its errors do not depend on dt";
   const double until = 0.25;
   const int claimed = scheme_properties(GetParam()).order_sliding;
   const std::vector<double> steps = claimed > 3 ? std::vector<double>{6.25e-3, 3.125e-3, 1.5625e-3}

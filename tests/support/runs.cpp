@@ -109,6 +109,7 @@ const std::vector<Variant>& variants() {
       {"ThirdOrderStabilised",
        "HalfExplicitRungeKuttaOSI",
        {{"stabilization", "position"}, {"impact", "keep-resting-forces"}}},
+      {"AdaptiveTrapezoidal", "AdaptiveHalfExplicitOSI", {{"method", "trapezoidal"}}},
   };
   return table;
 }
@@ -152,6 +153,15 @@ std::vector<std::string> and_accurate_ones(std::vector<std::string> names) {
 
 std::vector<std::string> frictional_schemes() {
   return schemes_with([](const SchemeProperties& p) { return p.friction; });
+}
+
+std::vector<std::string> with_fixed_steps(std::vector<std::string> names) {
+  std::erase_if(names, [](const std::string& name) { return scheme_properties(name).error_controlled; });
+  return names;
+}
+
+std::vector<std::string> error_controlled_schemes() {
+  return schemes_with([](const SchemeProperties& p) { return p.error_controlled; });
 }
 
 std::vector<std::string> explicit_schemes() {

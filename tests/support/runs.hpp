@@ -51,6 +51,10 @@ std::vector<std::string> frictional_schemes();
 std::vector<std::string> explicit_schemes();
 /// Also those that are too accurate for the steps with which orders of all schemes are measured.
 std::vector<std::string> and_accurate_ones(std::vector<std::string> names);
+/// Without those that choose steps of their own: their errors do not depend on Δt.
+std::vector<std::string> with_fixed_steps(std::vector<std::string> names);
+/// These alone.
+std::vector<std::string> error_controlled_schemes();
 std::unique_ptr<OneStepIntegrator> make_scheme(const std::string& name);
 SchemeProperties scheme_properties(const std::string& name);
 /// Does the scheme keep Wᵀv of bilateral constraints at zero? On acceleration level only g̈ is kept.

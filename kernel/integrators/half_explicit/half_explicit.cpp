@@ -147,18 +147,8 @@ bool HalfExplicit::impact(double dt, StepReport& report) {
     }
   }
   rows_.take_work(dt, v, report);
-  ContactStage& contacts = rows_.contacts();
-  ContactAssembly& assembly = contacts.assembly();
-  assembly.assemble(active_, end, end, end);
-  assembly.set_b(end, v);
-  assembly.scatter(assembly.problem().b, 1.0, gamma_);  // γ⁻
-  assembly.add_restitution(gamma_);                     // (59)
-  assembly.gather(impulse_, 0.0, contacts.P());
-  if (!contacts.solve(report)) return false;  // (56)-(58)
-  assembly.scatter(contacts.P(), 1.0, impulse_);
-  report.work_impulse = assembly.work(contacts.P(), end, gamma_);
-  assembly.apply(1.0, contacts.P().data(), v);  // (68)
-  return true;
+  rows_.contacts().meet(active_, end, v, gamma_);
+  return rows_.contacts().strike(end, gamma_, gamma_, v, impulse_, report);
 }
 
 void HalfExplicit::commit(double dt, State& state, Reactions& reactions, StepReport& report) {

@@ -41,8 +41,12 @@ void Rows::begin(double t, const Vec& q, const Vec& v, const Reactions& warm) {
   if (!at(0).is_at(q, t_)) at(0).move_to(q, t_);
   stages_[0].v = v;
   if (layout_->mapped) position_rates(*layout_, q, v, stages_[0].rate);
-  stages_[0].lambda = warm.lambda_plus;
-  stages_[s_].lambda = s_ > 0 ? warm.lambda_minus : warm.lambda_plus;
+  warm_start(warm);
+}
+
+void Rows::warm_start(const Reactions& before) {
+  stages_[0].lambda = before.lambda_plus;
+  stages_[s_].lambda = s_ > 0 ? before.lambda_minus : before.lambda_plus;
 }
 
 void Rows::move_to_end(double dt) {
@@ -127,9 +131,8 @@ bool Rows::finish(int l, double dt, const std::vector<int>& active, StepReport& 
     ContactAssembly& assembly = contacts_->assembly();
     // Warm start: the first and the last multiplier from the step before, the others from the row before.
     const bool inner = l > 1 && l <= s_;
-    assembly.gather(inner ? stages_[l - 2].lambda : force.lambda, weight, contacts_->P());
-    const bool slides = sliding_->find(active, at(l - 1), force.v);
-    if (!(slides ? sliding_->solve(*contacts_, report) : contacts_->solve(report))) return false;
+    slides_ = sliding_->find(active, at(l - 1), force.v);
+    if (!solve(inner ? stages_[l - 2].lambda : force.lambda, weight, report)) return false;
     force.lambda.setZero();
     assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
     force.reaction.setZero();
@@ -145,6 +148,39 @@ bool Rows::finish(int l, double dt, const std::vector<int>& active, StepReport& 
     position(tableau_.Aq, l, dt);
     move(at(l), l, dt);
   }
+  return true;
+}
+
+bool Rows::solve(const Vec& lambda, double weight, StepReport& report) {
+  contacts_->assembly().gather(lambda, weight, contacts_->P());
+  return slides_ ? sliding_->solve(*contacts_, report) : contacts_->solve(report);
+}
+
+bool Rows::embedded_velocity(const Vec& b, double dt, const std::vector<int>& active, Vec& v,
+                             StepReport& report) {
+  v = stages_[0].v;
+  for (int k = 0; k <= s_; ++k) {
+    add_scaled(dt * b[k], stages_[k].acceleration, v);
+    if (k < s_ && stages_[k].loaded) add_scaled(dt * b[k], stages_[k].reaction, v);
+  }
+  if (active.empty()) return true;
+  contacts_->assembly().set_b(end(), v);
+  if (!solve(stages_[s_].lambda, dt * b[s_], report)) return false;
+  contacts_->assembly().apply(1.0, contacts_->P().data(), v);
+  return true;
+}
+
+bool Rows::redo_last(double dt, const std::vector<int>& active, Configuration& end, Vec& v, Vec& lambda,
+                     StepReport& report) {
+  if (active.empty()) return true;
+  ContactAssembly& assembly = contacts_->assembly();
+  const double weight = dt * tableau_.Av(s_, s_);
+  assembly.assemble(active, end, at(s_), at(s_));
+  assembly.set_b(end, v);
+  if (!solve(lambda, weight, report)) return false;
+  lambda.setZero();
+  assembly.scatter(contacts_->P(), 1.0 / weight, lambda);
+  assembly.apply(1.0, contacts_->P().data(), v);
   return true;
 }
 

@@ -30,6 +30,8 @@ class Rows {
 
   /// Row 0. @param warm  reactions of the step before
   void begin(double t, const Vec& q, const Vec& v, const Reactions& warm);
+  /// Chooses where the first and the last multiplier are sought from, if a step is taken again.
+  void warm_start(const Reactions& before);
   /// h and M⁻¹h at stage l
   bool stage(int l, double dt, StepReport& report);
   /// v_l without λ_{l-1}
@@ -45,6 +47,14 @@ class Rows {
   /// λ_{l-1} of these contacts, for which the problem was assembled; then v_l and q_l: (66), (69)-(70), (63)
   /// and (67), (71)-(72)
   bool finish(int l, double dt, const std::vector<int>& active, StepReport& report);
+  /// The end velocity of another scheme on the same stages, whose last multiplier is found anew; after the
+  /// output row. @param b  weights (s+1) @param[out] v  (n)
+  bool embedded_velocity(const Vec& b, double dt, const std::vector<int>& active, Vec& v, StepReport& report);
+  /// v_{s+1} and λ_s once more, with the constraint at another place than the end; after the output row.
+  /// @param v       in: without λ_s; out: v_{s+1} (n)
+  /// @param lambda  in: warm start; out: λ_s (rows) [N]
+  bool redo_last(double dt, const std::vector<int>& active, Configuration& at, Vec& v, Vec& lambda,
+                 StepReport& report);
   /// q_i, (64), with its gaps
   void move_to_end(double dt);
   /// Work of h and of λ by the scheme's quadrature, and ½ vᵀṀv by the trapezoidal rule.
@@ -70,6 +80,7 @@ class Rows {
   ContactStage& contacts() { return *contacts_; }
 
  private:
+  bool solve(const Vec& lambda, double weight, StepReport& report);
   void position(const Matrix& A, int l, double dt);
   void move(Configuration& configuration, int l, double dt);
   double time(int l, double dt) const { return t_ + (l <= s_ ? tableau_.c[l] * dt : dt); }
@@ -86,6 +97,7 @@ class Rows {
   std::unique_ptr<Configuration> predicted_;
   std::unique_ptr<ContactStage> contacts_;
   std::unique_ptr<Sliding> sliding_;
+  bool slides_ = false;        // some contacts do, in the row at hand
   std::vector<Stage> stages_;  // 0..s_+1
   Vec q_, gamma_;
   double t_ = 0.0;  // of the start of the step
