@@ -184,9 +184,11 @@ TEST_P(FrictionInSpace, ATurningTableIsStoppedByTheMomentOfItsFeet) {
   const double mu = 0.2, dt = 1e-3, rate = 8.0;
   const double slowing = mu * 2.0 * gravity * foot_radius / table_inertia;
   const auto rows = rows_of_run(make_table(-1e-4, vec({0, 0, 0, 0, 0, rate}), mu), *scheme_, dt, 2.2);
+  // Within a step of its own a scheme knows v as well as q: to the tolerance over its length.
+  const double slack = scheme_properties(GetParam()).error_controlled ? 2e-4 : 1e-9;
   for (const Row& row : rows) {
-    EXPECT_NEAR(row.state.v[5], std::max(0.0, rate - slowing * row.state.t), 1e-9 + 1e-3 * dt);
-    EXPECT_LT(row.state.v.head(5).norm(), 1e-9);
+    EXPECT_NEAR(row.state.v[5], std::max(0.0, rate - slowing * row.state.t), slack + 1e-3 * dt);
+    EXPECT_LT(row.state.v.head(5).norm(), slack);
   }
 }
 

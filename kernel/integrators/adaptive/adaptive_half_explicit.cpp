@@ -94,6 +94,7 @@ bool AdaptiveHalfExplicit::restart(const State& state, const Reactions& reaction
   v_ = state.v;
   h_ = dt;
   ahead_ = false;
+  inner_.dt = dt;
   warm_ = reactions;
   std::fill(last_impact_.begin(), last_impact_.end(), never);
   impact_.happens = false;
@@ -346,6 +347,15 @@ void AdaptiveHalfExplicit::choose_rebound(Configuration& at, const Vec& v) {
   }
 }
 
+// Contacts of a body that rocks to rest open each other in turns, at last for less than the smallest steps.
+bool AdaptiveHalfExplicit::falls_back(int k, double speed, Configuration& at) {
+  const double soon = plastic_flight_in_turns * smallest_;
+  if (inner_.dt > smallest_ || t_ - last_impact_[k] > soon) return false;
+  double* acceleration = rebound_.data() + layout_->contacts[k].row;
+  at.velocity_of_work(k, trial_->last_acceleration(), acceleration);
+  return 2.0 * speed < -*acceleration * soon;
+}
+
 // Contacts that the impact does not separate, or that rest at the start, are closed from now on.
 void AdaptiveHalfExplicit::close(Configuration& at, const Vec& before, const Vec& after) {
   closed_.clear();
@@ -354,7 +364,8 @@ void AdaptiveHalfExplicit::close(Configuration& at, const Vec& before, const Vec
     const auto& contact = layout_->contacts[k];
     at.relative_velocity(k, after, gamma_.data() + contact.row);
     const double zero = at.velocity_tolerance(k, before) + at.velocity_tolerance(k, after);
-    if (!contact.law->bilateral && !(gamma_[contact.row] <= zero)) continue;
+    if (!contact.law->bilateral && gamma_[contact.row] > zero && !falls_back(k, gamma_[contact.row], at))
+      continue;
     closed_.push_back(k);
     is_closed_[k] = 1;
   }

@@ -50,6 +50,7 @@ class AdaptiveHalfExplicit final : public OneStepIntegrator {
   bool leaves(int contact, double h);
   bool impact(Configuration& at, Vec& v, StepReport& report);
   void choose_rebound(Configuration& at, const Vec& v);
+  bool falls_back(int contact, double speed, Configuration& at);
   void close(Configuration& at, const Vec& v_before, const Vec& v_after);
   void take_impact(StepReport& report, Reactions& sums);
   bool take_inner_steps(double from, double to, StepReport& report);
