@@ -74,6 +74,12 @@ def defects(
         yield Finding(f"order of {symbol}, {what}", order, expected, ok)
     if forces:
         yield from from_touch(make, MU if friction else 0.0, order_sliding, holds=mended.opening)
+    yield from lasting_defects(make)
+
+
+def lasting_defects(make: Callable[[], sk.OneStepIntegrator]) -> Iterator[Finding]:
+    """Those that are no matter of an order."""
+    mended = Mended.by(make().options)
     yield from drift(make, holds=mended.drift)
     yield after_bounces(make)
     yield closed_at_the_start(make)
