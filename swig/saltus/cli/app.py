@@ -32,6 +32,7 @@ class Target(str, Enum):
     fig13 = "fig13"
     fig14 = "fig14"
     fig15 = "fig15"
+    work_precision = "work-precision"
     all = "all"
 
 
@@ -62,7 +63,10 @@ def demo(
 
 @app.command()
 def reproduce(
-    what: Annotated[Target, typer.Argument(help="A table or figure of the paper, or all of them.")],
+    what: Annotated[
+        Target,
+        typer.Argument(help="A table or figure of the paper, all of them, or error against computing time."),
+    ],
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("out/paper"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:

@@ -1,4 +1,8 @@
-"""``saltus reproduce``: tables and figures of the paper, the tables beside the paper's values."""
+"""``saltus reproduce``: tables and figures of the paper, the tables beside the paper's values.
+
+Beyond the paper ``work-precision``: the error of schemes with fixed steps and with error control over the
+time that they take.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ from saltus.cli.progress import progress_bar
 from saltus.examples.ball_in_box import figures as ball_in_box
 from saltus.examples.elastic_bar import figures as elastic_bar
 from saltus.examples.figure import PaperFigure
-from saltus.examples.slider_crank import convergence
+from saltus.examples.slider_crank import convergence, work_precision
 from saltus.examples.slider_crank import figures as slider_crank
 from saltus.examples.slider_crank.convergence import Row
 
@@ -36,6 +40,8 @@ FIGURES: dict[str, Callable[[], PaperFigure]] = {
     "fig14": elastic_bar.figure_14,
     "fig15": elastic_bar.figure_15,
 }
+STUDY = "work-precision"
+CLOSE = 1.5e-5  #: an error [rad] at which schemes are compared
 
 
 def run(what: str, out: Path, *, as_json: bool) -> None:
@@ -50,7 +56,7 @@ def run(what: str, out: Path, *, as_json: bool) -> None:
     names = [*TITLES, *FIGURES] if what == "all" else [what]
     results = {}
     for name in names:
-        make = make_table if name in TITLES else make_figure
+        make = make_table if name in TITLES else make_study if name == STUDY else make_figure
         results[name] = make(name, out, as_json)
         write_json(results[name], out / f"{name}.json")
     if as_json:
@@ -64,6 +70,40 @@ def make_table(name: str, out: Path, quiet: bool) -> dict[str, Any]:
         print_table(name, rows)
         print_path(out / f"{name}.json")
     return to_json(rows)
+
+
+def make_study(name: str, out: Path, quiet: bool) -> dict[str, Any]:
+    """Measure work and precision, draw them and print them."""
+    with progress_bar() as show:
+        rows = list(work_precision.rows(show))
+    save(work_precision.picture(rows), out / f"{name}.png")
+    if not quiet:
+        print_study(rows)
+        print_path(out / f"{name}.png")
+    return {"rows": [asdict(row) for row in rows]}
+
+
+def print_study(rows: Sequence[work_precision.Row]) -> None:
+    """Print to stdout: every run, and what others make of the time of an accurate one."""
+    console = Console()
+    grid = Table()
+    for heading in ("integrator", "setting", "error", "ms"):
+        grid.add_column(heading, justify="left" if heading in ("integrator", "setting") else "right")
+    for before, row in zip([rows[0], *rows], rows, strict=False):
+        if before.integrator != row.integrator:
+            grid.add_section()
+        grid.add_row(row.integrator, row.setting, f"{row.error:.2e}", f"{row.ms:.3g}")
+    console.print("Slider crank with impacts and friction until 0.1 s", style="bold")
+    console.print(grid)
+    for row in rows:
+        if row.integrator != work_precision.ADAPTIVE[0] or row.error > CLOSE:
+            continue
+        ratios = ", ".join(
+            f"{name} {work_precision.error_at(rows, name, row.ms) / row.error:.3g}"
+            for name in work_precision.FIXED
+        )
+        line = f"errors after {row.ms:.3g} ms over that of {row.integrator}, {row.error:.1e}: {ratios}"
+        console.print(line, style="dim", highlight=False, soft_wrap=True)
 
 
 def make_figure(name: str, out: Path, quiet: bool) -> dict[str, Any]:
