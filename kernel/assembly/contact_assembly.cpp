@@ -64,6 +64,10 @@ void ContactAssembly::assemble(const std::vector<int>& active, Configuration& co
     respond(contact, force.jacobian(contact), inverse);
     answered_with_[contact] = constant ? revision : 0;
   }
+  constrain(constraint);
+}
+
+void ContactAssembly::constrain(Configuration& constraint) {
   if (sparse_)
     std::fill(problem_.sparse.value.begin(), problem_.sparse.value.end(), 0.0);
   else

@@ -22,6 +22,8 @@ class ContactAssembly {
   /// @param inverse  of M at the force's position, or of what takes its place
   void assemble(const std::vector<int>& active, Configuration& constraint, Configuration& force,
                 const BlockInverse& inverse);
+  /// G with the constraint taken elsewhere, and the forces that assemble() took.
+  void constrain(Configuration& constraint);
   const ContactProblem& problem() const { return problem_; }
 
   /// b <- W(q_c)ᵀ v of the active contacts

@@ -67,9 +67,8 @@ bool HalfExplicit::newly_closed() {
   return false;
 }
 
-// Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last? Stages
-// that do not follow each other in time cannot tell when it changes: their multipliers would throw it up, or
-// to and fro, by a part of h Δt again and again.
+// Stages that do not follow each other in time cannot tell when it changes: their multipliers would throw it
+// up, or to and fro, by a part of h Δt again and again.
 bool HalfExplicit::changes_contacts(int last, double dt) {
   const ContactProblem& problem = rows_.contacts().assembly().problem();  // of active_
   int row = 0;

@@ -24,21 +24,23 @@ void require_acceleration_level(const std::string& scheme, const NonSmoothDynami
 }  // namespace
 
 HalfExplicit::HalfExplicit(std::string name, Tableau tableau, HalfExplicitSettings settings)
-    : name_(std::move(name)),
-      settings_(settings),
-      rows_(std::move(tableau), settings.level == Level::velocity) {
+    : settings_(settings),
+      rows_(std::move(tableau), settings.level == Level::velocity),
+      name_(std::move(name)) {
   if (settings_.stabilized && settings_.activity != Activity::sticky)
     throw std::invalid_argument(name_ +
                                 ": positions can only be stabilised with sticky activity, without it a "
                                 "contact that is pulled to g = 0 opens by rounding");
   const Tableau& given = rows_.tableau();
   const int s = rows_.s();
-  in_order_ = std::is_sorted(given.c.begin(), given.c.end());
+  in_order_ = !given.coupled && std::is_sorted(given.c.begin(), given.c.end());
   least_weight_ = given.Av.diagonal().minCoeff();
   // λ_0 that stops a contact within the first row must not push beyond it in the output row, as b_0 > a_10
   // does.
   const bool throws_back = s > 1 || (s == 1 && given.Av(1, 0) > given.Av(0, 0));
-  if (throws_back && settings_.activity != Activity::predicted)
+  if (given.coupled)
+    simple_ = std::make_unique<HalfExplicit>(name_, trapezoidal_tableau(), settings_);
+  else if (throws_back && settings_.activity != Activity::predicted)
     simple_ = std::make_unique<HalfExplicit>(name_, heun_tableau(), settings_);
 }
 
@@ -59,8 +61,7 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
   begin(state, reactions);
   if (!rows_.stage(0, dt, report)) return report;
   if (simple_ && approaches(dt)) return simple_->step(dt, state, reactions);
-  for (int l = 1; l <= s; ++l)
-    if (!row(l, dt, report) || !rows_.stage(l, dt, report)) return report;
+  if (!take_stages(dt, reactions, report)) return report;
   if (!move_to_end(dt, report)) return report;
   report.impulsive = newly_closed();
   const bool continues = !report.impulsive || settings_.impact == ImpactRule::keep_resting_forces;
@@ -73,6 +74,12 @@ StepReport HalfExplicit::step(double dt, State& state, Reactions& reactions) {
     return report;
   commit(dt, state, reactions, report);
   return report;
+}
+
+bool HalfExplicit::take_stages(double dt, const Reactions&, StepReport& report) {
+  for (int l = 1; l <= rows_.s(); ++l)
+    if (!row(l, dt, report) || !rows_.stage(l, dt, report)) return false;
+  return true;
 }
 
 void HalfExplicit::begin(const State& state, const Reactions& reactions) {

@@ -38,8 +38,9 @@ struct HalfExplicitSettings {
 };
 
 /// All half-explicit schemes: one row after the other, each an explicit stage with a multiplier that keeps
-/// the constraint; then the impact, if a contact has newly closed.
-class HalfExplicit final : public OneStepIntegrator {
+/// the constraint; then the impact, if a contact has newly closed. A scheme that finds its stages together
+/// overrides take_stages(): the output row and the impact are the same.
+class HalfExplicit : public OneStepIntegrator {
  public:
   /// @param name  in the registry
   /// @throws std::invalid_argument if the tableau or a combination of settings is refused
@@ -52,9 +53,22 @@ class HalfExplicit final : public OneStepIntegrator {
     return std::make_unique<HalfExplicit>(name_, rows_.tableau(), settings_);
   }
 
- private:
+ protected:
   using Stage = Rows::Stage;
 
+  /// The stages 1…s, and the multipliers of those before them. @param before  reactions of the last step
+  /// @return false if the status in the report is no longer ok
+  virtual bool take_stages(double dt, const Reactions& before, StepReport& report);
+  /// Is some contact not in one state, open, sticking or sliding one way, over all stages up to the last?
+  virtual bool changes_contacts(int last, double dt);
+
+  HalfExplicitSettings settings_;
+  Rows rows_;
+  std::shared_ptr<const Layout> layout_;
+  std::unique_ptr<HalfExplicit> simple_;  // of two stages, for steps in which more do harm
+  std::vector<int> start_;                // C_i
+
+ private:
   void begin(const State& state, const Reactions& reactions);
   bool is_held(int contact, const State& state);
   bool row(int l, double dt, StepReport& report);
@@ -64,7 +78,6 @@ class HalfExplicit final : public OneStepIntegrator {
   void choose_staying(Configuration& at, const Stage& stage, double dt);
   bool newly_closed();
   bool approaches(double dt);
-  bool changes_contacts(int last, double dt);
   int contact_state(int contact, int stage, double zero) const;
   bool within_reach(int contact, double dt);
   bool impacts(int contact, double dt);
@@ -72,18 +85,13 @@ class HalfExplicit final : public OneStepIntegrator {
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
 
   std::string name_;
-  HalfExplicitSettings settings_;
-  Rows rows_;
   double least_weight_;  // smallest a_{l,l-1}, b_s
   bool in_order_;        // the stages follow each other in time
 
-  std::shared_ptr<const Layout> layout_;
   std::unique_ptr<PositionProjection> projection_;
-  std::unique_ptr<HalfExplicit> simple_;  // Heun's tableau, for steps in which more stages do harm
-  std::vector<int> start_;                // C_i
-  std::vector<unsigned char> in_start_;   // the same as flags
-  std::vector<int> active_;               // of the contact problem at hand
-  std::vector<int> drifted_;              // that may be pulled back
+  std::vector<unsigned char> in_start_;  // start_ as flags
+  std::vector<int> active_;              // of the contact problem at hand
+  std::vector<int> drifted_;             // that may be pulled back
   Vec gamma_, impulse_;
 };
 

@@ -49,6 +49,14 @@ void Rows::warm_start(const Reactions& before) {
   stages_[s_].lambda = s_ > 0 ? before.lambda_minus : before.lambda_plus;
 }
 
+void Rows::locate(int l, double dt) {
+  position(tableau_.Aq, l, dt);
+  if (is_end_[l])
+    move(at(l), l, dt);
+  else
+    at(l).move_without_gaps(q_, time(l, dt));
+}
+
 void Rows::move_to_end(double dt) {
   if (same_as_last_[s_ + 1]) return;
   position(tableau_.Aq, s_ + 1, dt);
@@ -131,7 +139,8 @@ bool Rows::finish(int l, double dt, const std::vector<int>& active, StepReport& 
     ContactAssembly& assembly = contacts_->assembly();
     // Warm start: the first and the last multiplier from the step before, the others from the row before.
     const bool inner = l > 1 && l <= s_;
-    slides_ = sliding_->find(active, at(l - 1), force.v);
+    sliding_->clear();
+    sliding_->add(active, at(l - 1), force.v);
     if (!solve(inner ? stages_[l - 2].lambda : force.lambda, weight, report)) return false;
     force.lambda.setZero();
     assembly.scatter(contacts_->P(), 1.0 / weight, force.lambda);
@@ -152,8 +161,10 @@ bool Rows::finish(int l, double dt, const std::vector<int>& active, StepReport& 
 }
 
 bool Rows::solve(const Vec& lambda, double weight, StepReport& report) {
-  contacts_->assembly().gather(lambda, weight, contacts_->P());
-  return slides_ ? sliding_->solve(*contacts_, report) : contacts_->solve(report);
+  const ContactAssembly& assembly = contacts_->assembly();
+  assembly.gather(lambda, weight, contacts_->P());
+  return sliding_->any() ? sliding_->solve(*contacts_, assembly.problem(), contacts_->P(), report)
+                         : contacts_->solve(report);
 }
 
 bool Rows::embedded_velocity(const Vec& b, double dt, const std::vector<int>& active, Vec& v,

@@ -55,6 +55,8 @@ class Rows {
   /// @param lambda  in: warm start; out: λ_s (rows) [N]
   bool redo_last(double dt, const std::vector<int>& active, Configuration& at, Vec& v, Vec& lambda,
                  StepReport& report);
+  /// q_l of the velocities at hand; gaps only where it is the end
+  void locate(int l, double dt);
   /// q_i, (64), with its gaps
   void move_to_end(double dt);
   /// Work of h and of λ by the scheme's quadrature, and ½ vᵀṀv by the trapezoidal rule.
@@ -97,7 +99,6 @@ class Rows {
   std::unique_ptr<Configuration> predicted_;
   std::unique_ptr<ContactStage> contacts_;
   std::unique_ptr<Sliding> sliding_;
-  bool slides_ = false;        // some contacts do, in the row at hand
   std::vector<Stage> stages_;  // 0..s_+1
   Vec q_, gamma_;
   double t_ = 0.0;  // of the start of the step

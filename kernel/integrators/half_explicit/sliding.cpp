@@ -12,9 +12,9 @@ constexpr int reserved_rows = 64;           // of a dense G; beyond, it grows wh
 
 }  // namespace
 
-Sliding::Sliding(std::shared_ptr<const Layout> layout) : layout_(std::move(layout)) {
-  const int rows = layout_->rows;
-  slides_.reserve(layout_->contacts.size());
+Sliding::Sliding(std::shared_ptr<const Layout> layout, int stages) : layout_(std::move(layout)) {
+  const int rows = stages * layout_->rows;
+  slides_.reserve(stages * layout_->contacts.size());
   gamma_.resize(layout_->most_rows);
   reduced_.tolerance = layout_->tolerance;
   reduced_.brief = true;
@@ -26,9 +26,12 @@ Sliding::Sliding(std::shared_ptr<const Layout> layout) : layout_(std::move(layou
   factor_.reserve(rows);
 }
 
-bool Sliding::find(const std::vector<int>& active, Configuration& stage, const Vec& v) {
+void Sliding::clear() {
   slides_.clear();
-  int row = 0, set = 0;
+  rows_ = sets_ = 0;
+}
+
+void Sliding::add(const std::vector<int>& active, Configuration& stage, const Vec& v) {
   for (int k : active) {
     const auto& slot = layout_->contacts[k];
     const auto* law = std::get_if<Coulomb>(&slot.law->sets[0]);
@@ -38,27 +41,25 @@ bool Sliding::find(const std::vector<int>& active, Configuration& stage, const V
       const double speed = std::hypot(gamma_[1], gamma_[2]);
       // One that still approaches is stopped as by an impact.
       if (speed > none && gamma_[0] >= -none)
-        slides_.push_back({row, set, law->mu, speed, {gamma_[1] / speed, gamma_[2] / speed}});
+        slides_.push_back({rows_, sets_, law->mu, speed, {gamma_[1] / speed, gamma_[2] / speed}});
     }
-    row += slot.rows;
-    set += static_cast<int>(slot.law->sets.size());
+    rows_ += slot.rows;
+    sets_ += static_cast<int>(slot.law->sets.size());
   }
-  return !slides_.empty();
 }
 
-bool Sliding::solve(ContactStage& contacts, StepReport& report) {
-  const ContactProblem& problem = contacts.assembly().problem();
+bool Sliding::solve(ContactStage& contacts, const ContactProblem& problem, PoolVec& P, StepReport& report) {
   while (!slides_.empty()) {
-    reduce(problem, contacts.P());
+    reduce(problem, P);
     StepReport trial = report;
     if (!contacts.solve(reduced_, reduced_P_, trial)) break;
-    expand(contacts.P());
+    expand(P);
     report.solver_iterations = trial.solver_iterations;
-    if (release_stopping(problem, contacts.P())) continue;
+    if (release_stopping(problem, P)) continue;
     report = trial;
     return true;
   }
-  return contacts.solve(report);  // (70)
+  return contacts.solve(problem, P, report);  // (70)
 }
 
 // ξ_N of sliding contacts depends on their P_N alone, with W_N − μ W_T d in the place of W.

@@ -13,12 +13,16 @@ namespace saltus {
 /// tenths of its speed within the row, so that it can stop, and where no such forces are found at once.
 class Sliding {
  public:
-  explicit Sliding(std::shared_ptr<const Layout> layout);
+  /// @param stages  whose multipliers can be in one contact problem
+  explicit Sliding(std::shared_ptr<const Layout> layout, int stages = 1);
 
-  /// Finds those of the active contacts that slide at a stage. @return true if there are any
-  bool find(const std::vector<int>& active, Configuration& stage, const Vec& v);
-  /// As ContactStage::solve(), with the law above for those that find() found.
-  bool solve(ContactStage& contacts, StepReport& report);
+  void clear();
+  /// Adds those of the active contacts that slide at a stage, whose multipliers follow those of stages that
+  /// were added before.
+  void add(const std::vector<int>& active, Configuration& stage, const Vec& v);
+  bool any() const { return !slides_.empty(); }
+  /// As ContactStage::solve(), with the law above for those that add() found.
+  bool solve(ContactStage& contacts, const ContactProblem& problem, PoolVec& P, StepReport& report);
 
  private:
   struct Slide {
@@ -34,7 +38,8 @@ class Sliding {
 
   std::shared_ptr<const Layout> layout_;
   std::vector<Slide> slides_;
-  ContactProblem reduced_;  // of these the normal rows alone
+  int rows_ = 0, sets_ = 0;  // of the stages added
+  ContactProblem reduced_;   // of these the normal rows alone
   PoolVec reduced_P_;
   std::vector<int> column_;     // of the reduced problem, of each row of the problem
   std::vector<double> factor_;  // P of a row over that of its column

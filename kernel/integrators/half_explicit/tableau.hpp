@@ -13,8 +13,9 @@ namespace saltus {
 /// The output row's weights are b. A multiplier λ_{l-1} acts through Av_{l,l-1}.
 struct Tableau {
   std::string name;
-  Matrix Ac, Av, Aq;  ///< (s+1, s+1)
-  Vec c;              ///< (s+1) times of the stages
+  Matrix Ac, Av, Aq;     ///< (s+1, s+1)
+  Vec c;                 ///< (s+1) times of the stages
+  bool coupled = false;  ///< rows use every stage, Σ_{k<=s}: DMinusGalerkin finds them together
 
   int stages() const { return static_cast<int>(c.size()); }
 };

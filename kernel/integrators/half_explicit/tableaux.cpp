@@ -109,7 +109,8 @@ void validate(const Tableau& t) {
     for (const Matrix* A : {&t.Ac, &t.Av, &t.Aq}) {
       if (!(std::abs(A->row(l - 1).sum() - time) < 1e-12)) refuse(row + " must sum up to " + number(time));
       const int known = A == &t.Aq ? l + 1 : l;  // stages that a row may use: q_l may use v_l
-      if (known < n && A->row(l - 1).tail(n - known).any()) refuse(row + " uses a stage that comes after it");
+      if (!t.coupled && known < n && A->row(l - 1).tail(n - known).any())
+        refuse(row + " uses a stage that comes after it");
     }
     const double multiplier = t.Av(l - 1, l - 1);
     if (!(multiplier > 0.0)) refuse("a_{l,l-1} must be positive in " + row + ", got " + number(multiplier));
