@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "saltus/kernel/integrators/adaptive/adaptive_half_explicit.hpp"
+#include "saltus/kernel/integrators/d_minus/d_minus_galerkin.hpp"
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 #include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/impact_refinement.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr const char* trapezoidal_name = "HalfExplicitTrapezoidalOSI";
 constexpr const char* runge_kutta_name = "HalfExplicitRungeKuttaOSI";
+constexpr const char* galerkin_name = "DMinusGalerkinOSI";
 constexpr double most_substeps = 1e6;
 
 const std::string& word(const Options& options, const char* name) {
@@ -119,6 +121,41 @@ std::vector<SchemeOption> runge_kutta_options() {
   std::vector<SchemeOption> all = velocity_level_options;
   all.insert(all.begin(), tableau_option());
   return all;
+}
+
+// ---- D⁻ Galerkin schemes
+
+const std::vector<SchemeOption> galerkin_options = {
+    {"stages", 2.0, {}, "the paper's s, 1, 2 or 3: stages of a step less one"},
+    {"points",
+     "lobatto",
+     {"lobatto", "chebyshev"},
+     "where the stages lie; with one or two both are the same"},
+    {"activity",
+     "start",
+     {"start", "sticky"},
+     "contacts that carry λ: closed at the start of the step; or those and the ones held, so that a drift "
+     "costs no force"}};
+
+int galerkin_stages(const Options& options) {
+  const double stages = std::get<double>(options.at("stages"));
+  if (!(stages >= 1.0 && stages <= 3.0) || stages != std::floor(stages))
+    throw std::invalid_argument(std::string(galerkin_name) + ": stages must be 1, 2 or 3, got " +
+                                number(stages));
+  return static_cast<int>(stages);
+}
+
+SchemeProperties galerkin_properties(const Options& options) {
+  const int stages = galerkin_stages(options);
+  const int order = stages == 3 && word(options, "points") == "chebyshev" ? 4 : 2 * stages;
+  return {.order_free = order, .order_bilateral = order, .order_sliding = order, .forces_at_rest = true};
+}
+
+std::unique_ptr<OneStepIntegrator> make_galerkin(const Options& options) {
+  return std::make_unique<DMinusGalerkin>(
+      galerkin_stages(options),
+      word(options, "points") == "chebyshev" ? StagePoints::chebyshev : StagePoints::lobatto,
+      word(options, "activity") == "sticky" ? Activity::sticky : Activity::start);
 }
 
 // ---- The others
@@ -275,6 +312,13 @@ Registry<IntegratorEntry>& table() {
                [](const Options& options) {
                  return velocity_level_properties(order_of(tableau_of(options)), options);
                }},
+          {.name = galerkin_name,
+           .summary = "time-discontinuous Galerkin schemes (B.1)-(B.8) of order 2, 4 and 6: all stages of a "
+                      "step together, forces and impulses told apart",
+           .options = galerkin_options,
+           .properties = {.order_free = 4, .order_bilateral = 4, .order_sliding = 4, .forces_at_rest = true},
+           .make = make_galerkin,
+           .properties_with = galerkin_properties},
       });
   return registry;
 }
