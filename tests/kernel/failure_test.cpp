@@ -109,7 +109,10 @@ TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
 class Divergence : public Failure {};
 
 TEST_P(Divergence, ADivergingRunEndsInAnErrorAtTheLastFiniteState) {
-  expect_failure(make_oscillator(1e4, 1.0, 0.0), 1e-2, StepStatus::not_finite);
+  // Stages that are found together diverge within the first step.
+  const bool iterates = GetParam() == "DMinusGalerkinOSI" || GetParam() == "GalerkinChebyshev";
+  expect_failure(make_oscillator(1e4, 1.0, 0.0), 1e-2,
+                 iterates ? StepStatus::iteration_failed : StepStatus::not_finite);
 }
 
 TEST_P(Divergence, ADivergingRunWithClosedContactsToo) {

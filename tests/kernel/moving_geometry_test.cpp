@@ -56,7 +56,7 @@ TEST_P(MovingGeometry, TheOrderIsThatOfAConstraintAtRest) {
   const double until = 0.5;
   const int order = scheme_properties(GetParam()).order_bilateral;
   std::vector<double> steps;
-  for (int k : {1, 2, 4}) steps.push_back(until / (k * (order > 3 ? 25 : 125)));
+  for (int k : {1, 2, 4}) steps.push_back(until / (k * (order > 5 ? 5 : order > 3 ? 25 : 125)));
   const Orders orders = measure_orders(make_pulled_pendulum(), *make_scheme(GetParam()),
                                        exact_pulled_pendulum(until), until, steps);
   EXPECT_GE(std::min(orders.q, orders.v), order - 0.2);
