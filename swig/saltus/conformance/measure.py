@@ -20,8 +20,8 @@ SLACK = 0.2  # of an order below its claim
 
 # Steps of the coarsest of four runs, each with half the Δt of the one before, by the order that is claimed:
 # the finest of a high order would otherwise measure rounding, soonest where the motion is a mere swing.
-STEPS, FREE_STEPS, SWING_STEPS = 125, {3: 60, 4: 40, 5: 30}, {3: 60, 4: 20, 5: 6}
-TURN_STEPS = {3: 60, 4: 60, 5: 40}  # of a slide on a curve, which is slow in the end
+STEPS, FREE_STEPS, SWING_STEPS = 125, {3: 60, 4: 40, 5: 30, 6: 12}, {3: 60, 4: 20, 5: 6, 6: 2}
+TURN_STEPS = {3: 60, 4: 100, 5: 40, 6: 24}  # of a slide on a curve, which is slow in the end
 
 PHASES = 1000  # of an impact in its step
 SPEED, RESTITUTION, STEP = 4.0, 0.3, 1e-4  # of the ball that meets the floor in them: [m/s], [-], [s]
@@ -96,7 +96,7 @@ def in_space(claim: int, make: Callable[[], sk.OneStepIntegrator]) -> Iterator[F
     """Orders of a body in space on a joint, if the scheme takes velocities that are not q̇."""
     what, until = "top on a ball joint", 0.2
     try:
-        yield from orders(what, claim, make, top, exact_top(until), until, {3: 100, 4: 100, 5: 20})
+        yield from orders(what, claim, make, top, exact_top(until), until, {3: 100, 4: 30, 5: 20, 6: 6})
     except ValueError as error:
         yield Finding(what, float("nan"), note=f"refused: {error}")
 
