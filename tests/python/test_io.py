@@ -179,7 +179,7 @@ def test_reading_something_else(tmp_path):
         read_hdf5(tmp_path / "other.h5")
     with h5py.File(tmp_path / "newer.h5", "w") as file:
         file.attrs["saltus_format"] = 99
-    with pytest.raises(ValueError, match="has format 99, this version reads 2"):
+    with pytest.raises(ValueError, match="has format 99, this version reads 3"):
         read_hdf5(tmp_path / "newer.h5")
 
 
