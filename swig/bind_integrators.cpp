@@ -342,6 +342,7 @@ void bind_failure(py::module_& module) {
       .value("mass_not_positive_definite", StepStatus::mass_not_positive_definite)
       .value("iteration_failed", StepStatus::iteration_failed)
       .value("gap_not_finite", StepStatus::gap_not_finite)
+      .value("accumulation", StepStatus::accumulation)
       .value("not_finite", StepStatus::not_finite)
       .finalize();
   static py::handle error;

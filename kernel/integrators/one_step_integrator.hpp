@@ -36,6 +36,7 @@ enum class StepStatus {
   iteration_failed,            ///< Newton's iteration of an implicit scheme does not converge
   gap_not_finite,              ///< NaN or infinity in a gap: it can be neither open nor closed
   too_many_steps,              ///< a scheme that chooses its steps makes no headway
+  accumulation,                ///< impacts of a contact accumulate in one instant: there is no next event
   not_finite,                  ///< NaN or infinity in velocities: the motion diverges
 };
 
@@ -45,6 +46,7 @@ std::string_view to_string(StepStatus status);
 /// What one step says about itself.
 struct StepReport {
   StepStatus status = StepStatus::ok;
+  int contact = -1;             ///< that the status is about, if it is about one
   bool impulsive = false;       ///< the impact law was applied; Moreau-Jean: an impulse acted
   int closed = 0;               ///< closed contacts at the end of the step, bilateral ones included
   int solver_iterations = 0;    ///< over all contact problems of the step

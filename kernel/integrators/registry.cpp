@@ -6,6 +6,7 @@
 
 #include "saltus/kernel/integrators/adaptive/adaptive_half_explicit.hpp"
 #include "saltus/kernel/integrators/d_minus/d_minus_galerkin.hpp"
+#include "saltus/kernel/integrators/event_driven/event_driven.hpp"
 #include "saltus/kernel/integrators/half_explicit/half_explicit.hpp"
 #include "saltus/kernel/integrators/half_explicit/order_conditions.hpp"
 #include "saltus/kernel/integrators/impact_refinement.hpp"
@@ -200,6 +201,14 @@ std::unique_ptr<OneStepIntegrator> make_adaptive(const Options& options) {
                    number_of("velocity_tolerance")});
 }
 
+const std::vector<SchemeOption> event_driven_options = {
+    {"rtol", 1e-10, {}, "relative error of the motion between two events, in [1e-13, 1e-3]"},
+    {"velocity_tolerance",
+     0.0,
+     {},
+     "[m/s] a contact that closes more slowly is stopped without restitution; 0 refuses bounces that "
+     "accumulate"}};
+
 std::string join(const std::vector<std::string>& words) {
   std::string all;
   for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
@@ -319,6 +328,19 @@ Registry<IntegratorEntry>& table() {
            .properties = {.order_free = 4, .order_bilateral = 4, .order_sliding = 4, .forces_at_rest = true},
            .make = make_galerkin,
            .properties_with = galerkin_properties},
+          {.name = "EventDrivenOSI",
+           .summary = "reference: the motion between events to a tolerance, events located in time",
+           .options = event_driven_options,
+           .properties = {.order_free = 6,
+                          .order_bilateral = 6,
+                          .order_sliding = 6,
+                          .forces_at_rest = true,
+                          .error_controlled = true},
+           .make =
+               [](const Options& options) {
+                 return std::make_unique<EventDriven>(std::get<double>(options.at("rtol")),
+                                                      std::get<double>(options.at("velocity_tolerance")));
+               }},
       });
   return registry;
 }

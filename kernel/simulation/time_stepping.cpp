@@ -18,11 +18,13 @@ constexpr double until_tolerance_in_steps = 1e-3;
 constexpr long longest_interval = 512;   // between two calls of progress
 constexpr double longest_silence = 0.1;  // [s]
 
-std::string describe(double time, long step, const std::vector<std::string>& contacts,
-                     const StepReport& report) {
+// @param about  the contact that the status is about, or empty
+std::string describe(double time, long step, const std::string& about,
+                     const std::vector<std::string>& contacts, const StepReport& report) {
   char text[160];
   std::snprintf(text, sizeof text, "step %ld from t = %.9g s failed: ", step, time);
-  std::string message = text + std::string(to_string(report.status));
+  std::string message =
+      text + (about.empty() ? "" : "'" + about + "': ") + std::string(to_string(report.status));
   std::snprintf(text, sizeof text, " (residual %.3g m/s; closed contacts: ", report.residual);
   message += text;
   for (std::size_t k = 0; k < contacts.size() && k < 8; ++k) message += (k ? ", " : "") + contacts[k];
@@ -56,9 +58,9 @@ class TimeStepping::Busy {
   bool& flag_;
 };
 
-SimulationError::SimulationError(double time, long step, std::vector<std::string> contacts,
-                                 const StepReport& report)
-    : std::runtime_error(describe(time, step, contacts, report)),
+SimulationError::SimulationError(double time, long step, const std::string& about,
+                                 std::vector<std::string> contacts, const StepReport& report)
+    : std::runtime_error(describe(time, step, about, contacts, report)),
       time_(time),
       step_(step),
       contacts_(std::move(contacts)),
@@ -200,7 +202,8 @@ void TimeStepping::fail(const StepReport& report) {
   std::vector<std::string> contacts;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k)
     if (view_.closed(k) || !view_.finite(k)) contacts.push_back(model_.links()[k].name);
-  throw SimulationError(state_.t, step_ + 1, std::move(contacts), report);
+  const std::string about = report.contact < 0 ? "" : model_.links()[report.contact].name;
+  throw SimulationError(state_.t, step_ + 1, about, std::move(contacts), report);
 }
 
 }  // namespace saltus

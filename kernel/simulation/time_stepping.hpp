@@ -14,7 +14,9 @@ namespace saltus {
 /// A step that could not be taken. The run up to it is kept, in the simulation and its observers.
 class SimulationError : public std::runtime_error {
  public:
-  SimulationError(double time, long step, std::vector<std::string> contacts, const StepReport& report);
+  /// @param about  the contact that the status is about, or empty
+  SimulationError(double time, long step, const std::string& about, std::vector<std::string> contacts,
+                  const StepReport& report);
   double time() const { return time_; }  ///< start of the step that failed [s]
   long step() const { return step_; }    ///< its number
   const std::vector<std::string>& contacts() const { return contacts_; }  ///< closed at its start

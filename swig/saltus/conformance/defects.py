@@ -129,8 +129,13 @@ def drift(make: Callable[[], sk.OneStepIntegrator], *, holds: bool) -> Iterator[
 
 def after_bounces(make: Callable[[], sk.OneStepIntegrator]) -> Finding:
     """A ball with ε = 1/2 lies still after 0.3 s, after bounces without number."""
-    run = sk.TimeStepping(ball(0.05, 0.5), make(), DT).run(0.6)
-    return Finding("ball after its bounces: speed [m/s]", abs(float(run.v[-1, 0])))
+    name, simulation = "ball after its bounces: speed [m/s]", sk.TimeStepping(ball(0.05, 0.5), make(), DT)
+    try:
+        return Finding(name, abs(float(simulation.run(0.6).v[-1, 0])))
+    except sk.SimulationError as error:
+        if "velocity_tolerance" not in str(error):
+            raise
+        return Finding(name, float("nan"), note="refused: they accumulate")
 
 
 def closed_at_the_start(make: Callable[[], sk.OneStepIntegrator]) -> Finding:
