@@ -71,7 +71,8 @@ TEST_P(Determinism, APreparedIntegratorCanBeCloned) {
 }
 
 TEST_P(Determinism, StateAndReactionsAreAllThatAStepNeeds) {
-  if (scheme_properties(GetParam()).error_controlled) GTEST_SKIP() << "it has computed beyond the state";
+  if (scheme_properties(GetParam()).error_controlled && GetParam() != "EventDrivenOSI")
+    GTEST_SKIP() << "it has computed beyond the state";
   // A copy of the integrator that has taken no step goes on from them: what a checkpoint has to keep.
   const auto one = make_scheme(GetParam()), two = make_scheme(GetParam());
   const auto solver = make_contact_solver("auto"), other = make_contact_solver("auto");

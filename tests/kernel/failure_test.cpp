@@ -72,7 +72,8 @@ class Failure : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(Failure, AStepThatFailsLeavesStateAndReactionsUntouched) {
-  if (scheme_properties(GetParam()).error_controlled) GTEST_SKIP() << "it has computed beyond the state";
+  if (scheme_properties(GetParam()).error_controlled && GetParam() != "EventDrivenOSI")
+    GTEST_SKIP() << "it has computed beyond the state";
   const auto fails = std::make_shared<bool>(false);
   Failing solver(fails);
   const auto model = make_bowl(mu_taken_by(GetParam(), 0.3));

@@ -117,6 +117,7 @@ TEST_P(NoAllocation, TwoBalls) {
 
 // So many contacts that G is made of sparse rows; each is a component of its own.
 TEST_P(NoAllocation, DiscsOnAPlane) {
+  if (scheme_properties(GetParam()).error_controlled) GTEST_SKIP() << "KLU factorises its changing equations";
   const int n = 80;
   const double radius = 0.1, dt = 1e-3;
   NonSmoothDynamicalSystem::Systems discs;

@@ -84,13 +84,15 @@ TEST_P(FrictionInSpace, TurningTheTangentsChangesNothing) {
   const Matrix R =
       (Matrix(2, 2) << std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)).finished();
   int impacts = 0;
+  // Rounding moves steps of one's own choice, to others of the same tolerance.
+  const double same = scheme_properties(GetParam()).error_controlled ? 1e-9 : 1e-12;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     impacts += rows[k].report.impulsive;
-    EXPECT_LT((turned[k].state.q - rows[k].state.q).norm(), 1e-12);
-    EXPECT_LT((turned[k].state.v - rows[k].state.v).norm(), 1e-12);
+    EXPECT_LT((turned[k].state.q - rows[k].state.q).norm(), same);
+    EXPECT_LT((turned[k].state.v - rows[k].state.v).norm(), same);
     const Vec P = rows[k].reactions.impulse, Q = turned[k].reactions.impulse;
-    EXPECT_NEAR(P[0], Q[0], 1e-12);
-    EXPECT_LT((R * P.tail(2) - Q.tail(2)).norm(), 1e-12);
+    EXPECT_NEAR(P[0], Q[0], same);
+    EXPECT_LT((R * P.tail(2) - Q.tail(2)).norm(), same);
   }
   EXPECT_GT(impacts, 2);
 }

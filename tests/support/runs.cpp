@@ -127,6 +127,8 @@ std::vector<std::string> schemes_with(const std::function<bool(const SchemePrope
 }
 
 Variant scheme_called(const std::string& name) {
+  // Bounces of the models in these tests accumulate, which the standard options refuse.
+  if (name == "EventDrivenOSI") return {"EventDrivenOSI", "EventDrivenOSI", {{"velocity_tolerance", 1e-5}}};
   for (const Variant& variant : variants())
     if (variant.name == name) return variant;
   return {name.c_str(), name.c_str(), {}};
