@@ -62,6 +62,7 @@ Configuration::Configuration(std::shared_ptr<const Layout> layout) : layout_(std
 void Configuration::move_without_gaps(const Vec& q, double t) {
   q_ = q;
   t_ = t;
+  placed_ = false;
   factorised_ = !layout_->varying_mass;
   for (std::size_t k = 0; k < has_jacobian_.size(); ++k)
     has_jacobian_[k] = has_jacobian_[k] && layout_->contacts[k].constant_jacobian;
@@ -70,6 +71,7 @@ void Configuration::move_without_gaps(const Vec& q, double t) {
 
 void Configuration::move_to(const Vec& q, double t) {
   move_without_gaps(q, t);
+  placed_ = true;
   gaps_.setZero();
   closed_count_ = 0;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {

@@ -23,7 +23,9 @@ class Configuration final : public BlockInverse {
   void move_without_gaps(const Vec& q, double t);
   const Vec& q() const { return q_; }
   /// Is this where it is, so that nothing has to be evaluated again?
-  bool is_at(const Vec& q, double t) const { return (!layout_->rheonomous || t == t_) && q == q_; }
+  bool is_at(const Vec& q, double t) const {
+    return placed_ && (!layout_->rheonomous || t == t_) && q == q_;
+  }
 
   /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
   bool factorise();
@@ -109,6 +111,7 @@ class Configuration final : public BlockInverse {
   std::vector<unsigned char> has_jacobian_, has_motion_;
   Vec motions_;  // w of all contacts
   double t_ = 0.0;
+  bool placed_ = false;  // gaps are those of a position that it was moved to
   bool factorised_ = false;
 };
 

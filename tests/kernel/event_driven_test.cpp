@@ -261,5 +261,18 @@ TEST(EventDriven, BodiesWithQuaternions) {
   expect_near(skid.v, skidded.v, 1e-8);
 }
 
+TEST(EventDriven, AgreesWithTheErrorControlledSchemeOnTheSliderCrank) {
+  // Two codes that share neither the way to events nor the integration between them; q0 = 0.
+  const auto model = examples::make_slider_crank(examples::Guidance::frictional);
+  const auto event = make_integrator("EventDrivenOSI", {{"rtol", 1e-12}, {"velocity_tolerance", 1e-5}});
+  const auto adaptive = make_integrator("AdaptiveHalfExplicitOSI", {{"rtol", 1e-11}, {"atol", 1e-11}});
+  TimeStepping one(model, *event, 1e-3), two(model, *adaptive, 1e-3);
+  for (int k = 0; k < 100; ++k) {
+    one.step();
+    two.step();
+    EXPECT_LT((one.state().q - two.state().q).head(2).cwiseAbs().maxCoeff(), 1e-9) << one.state().t;
+  }
+}
+
 }  // namespace
 }  // namespace saltus::test
