@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 from math import asin, cos, pi, sin, sqrt
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 import saltus.kernel as sk
 from saltus._core import SliderCrankParameters
 from saltus.cli.app import app
+from saltus.cli.reproduce import FIXED_STEPS
 from saltus.examples.chain_of_bodies.chain_of_bodies import build as chain
 from saltus.examples.disc_pile.disc_pile import build as pile
 from saltus.examples.elastic_bar.elastic_bar import build as bar
-from saltus.examples.slider_crank import work_precision
 from saltus.examples.slider_crank.slider_crank import CompiledSliderCorner, CompiledSliderCrank
+from saltus.examples.work_precision import work_precision
 from saltus.registry import properties
 from typer.testing import CliRunner
 
@@ -183,18 +185,18 @@ def test_misuse_names_what_was_expected():
 
 
 def test_work_precision_of_the_crank(tmp_path, monkeypatch):
-    monkeypatch.setattr(work_precision, "TIME_STEPS", (1e-4, 1e-5))
-    monkeypatch.setattr(work_precision, "TOLERANCES", (1e-5, 1e-7))
+    short = replace(work_precision.CRANK, time_steps=(1e-4, 1e-5), tolerances=(1e-5, 1e-7))
+    monkeypatch.setattr(work_precision, "CRANK", short)
     result = CliRunner().invoke(app, ["reproduce", "work-precision", "--json", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     rows = [work_precision.Row(**row) for row in json.loads(result.stdout)["rows"]]
     assert (tmp_path / "work-precision.png").stat().st_size > 10_000
     errors = {(row.integrator, row.setting): row.error for row in rows}
-    assert len(errors) == 2 * len(work_precision.FIXED) + 2 * len(work_precision.ADAPTIVE)
+    assert len(errors) == 10
     for name in work_precision.ADAPTIVE:
         assert errors[name, "rtol=atol=1e-05"] < 1e-3
         assert errors[name, "rtol=atol=1e-07"] < 1e-5
-    for name in work_precision.FIXED:  # of first order across impacts
+    for name in FIXED_STEPS:  # of first order across impacts
         ratio = errors[name, "time_step=0.0001"] / errors[name, "time_step=1e-05"]
         assert 5 < ratio < 20
     assert all(row.ms > 0 for row in rows)
@@ -205,3 +207,15 @@ def test_errors_between_runs_lie_on_a_line_of_logarithms():
     assert work_precision.error_at(rows, "A", 10**0.5) == pytest.approx(10**-1.5)
     assert work_precision.error_at(rows, "A", 1000) == pytest.approx(1e-6)
     assert work_precision.error_at(rows, "A", 0.1) == pytest.approx(1.0)
+
+
+def test_studies_of_other_motions():
+    """The finest run of each integrator is not the worst one, and the tolerance is met."""
+    for study in work_precision.STUDIES[:2]:
+        rows = list(work_precision.rows(study, lambda _what, _done: None))
+        for name in dict.fromkeys(row.integrator for row in rows):
+            own = [row for row in rows if row.integrator == name]
+            assert own[-1].error < 0.5 * own[0].error, name
+        met = [row for row in rows if row.integrator in work_precision.ADAPTIVE]
+        for row in met:
+            assert row.error < 100 * float(row.setting.rpartition("=")[2])

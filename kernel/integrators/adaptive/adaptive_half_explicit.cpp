@@ -19,6 +19,7 @@ constexpr long most_attempts = 10'000'000;
 constexpr double safety = 0.9, least_factor = 0.1, most_factor = 5.0;
 constexpr double exponent = -1.0 / 3.0;  // the error of a step is of third order
 constexpr double least_error = 1e-6;
+constexpr double part_of_atol = 0.1;
 
 constexpr double never = -std::numeric_limits<double>::infinity();
 // A contact bounces no more if its flight, in smallest steps, was shorter than the first of these; or than
@@ -292,11 +293,13 @@ bool AdaptiveHalfExplicit::accept(double h, StepReport& report) {
   return true;
 }
 
-// Does a closed contact open at the end? It carries nothing there, and moves away.
+// Does a closed contact open at the end? It carries nothing there, moves away, and is further away than
+// positions are known: where contacts depend on each other, one that leaves can be thrown back at once.
 bool AdaptiveHalfExplicit::leaves(int k, double h) {
   const auto& contact = layout_->contacts[k];
   if (contact.law->bilateral || trial_->last_lambda()[contact.row] > 0.0) return false;
   Configuration& end = trial_->end();
+  if (end.gaps()[contact.gap] - level_[contact.gap] <= part_of_atol * control_.atol) return false;
   end.relative_velocity(k, trial_->v_end(), gamma_.data() + contact.row);
   return gamma_[contact.row] > end.velocity_tolerance(k, trial_->v_end(), trial_->last_acceleration(), h);
 }

@@ -21,9 +21,10 @@ from saltus.cli.progress import progress_bar
 from saltus.examples.ball_in_box import figures as ball_in_box
 from saltus.examples.elastic_bar import figures as elastic_bar
 from saltus.examples.figure import PaperFigure
-from saltus.examples.slider_crank import convergence, work_precision
+from saltus.examples.slider_crank import convergence
 from saltus.examples.slider_crank import figures as slider_crank
 from saltus.examples.slider_crank.convergence import Row
+from saltus.examples.work_precision import work_precision
 
 TITLES = {
     "table2": "Table 2: bilateral slider crank until 0.1 s",
@@ -41,6 +42,7 @@ FIGURES: dict[str, Callable[[], PaperFigure]] = {
     "fig15": elastic_bar.figure_15,
 }
 STUDY = "work-precision"
+FIXED_STEPS = ("ExplicitMoreauJeanOSI", "HalfExplicitTrapezoidalOSI", "HalfExplicitRungeKuttaOSI")
 CLOSE = 1.5e-5  #: an error [rad] at which schemes are compared
 
 
@@ -75,8 +77,8 @@ def make_table(name: str, out: Path, quiet: bool) -> dict[str, Any]:
 def make_study(name: str, out: Path, quiet: bool) -> dict[str, Any]:
     """Measure work and precision, draw them and print them."""
     with progress_bar() as show:
-        rows = list(work_precision.rows(show))
-    save(work_precision.picture(rows), out / f"{name}.png")
+        rows = list(work_precision.rows(work_precision.CRANK, show))
+    save(work_precision.picture(work_precision.CRANK, rows), out / f"{name}.png")
     if not quiet:
         print_study(rows)
         print_path(out / f"{name}.png")
@@ -93,14 +95,13 @@ def print_study(rows: Sequence[work_precision.Row]) -> None:
         if before.integrator != row.integrator:
             grid.add_section()
         grid.add_row(row.integrator, row.setting, f"{row.error:.2e}", f"{row.ms:.3g}")
-    console.print("Slider crank with impacts and friction until 0.1 s", style="bold")
+    console.print(work_precision.CRANK.title, style="bold")
     console.print(grid)
     for row in rows:
         if row.integrator != work_precision.ADAPTIVE[0] or row.error > CLOSE:
             continue
         ratios = ", ".join(
-            f"{name} {work_precision.error_at(rows, name, row.ms) / row.error:.3g}"
-            for name in work_precision.FIXED
+            f"{name} {work_precision.error_at(rows, name, row.ms) / row.error:.3g}" for name in FIXED_STEPS
         )
         line = f"errors after {row.ms:.3g} ms over that of {row.integrator}, {row.error:.1e}: {ratios}"
         console.print(line, style="dim", highlight=False, soft_wrap=True)

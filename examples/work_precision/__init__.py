@@ -1,0 +1,1 @@
+"""Error against computing time of the integrators, on several motions."""
