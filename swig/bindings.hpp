@@ -19,6 +19,7 @@ void bind_bodies(py::module_& module);
 void bind_kernel(py::module_& module);
 void bind_integrators(py::module_& module);
 void bind_io(py::module_& module);
+void bind_live_state(py::module_& module);
 void bind_compare(py::module_& module);
 void bind_examples(py::module_& module);
 

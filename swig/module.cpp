@@ -109,6 +109,7 @@ PYBIND11_MODULE(_core, module) {
   saltus::python::bind_bodies(module);
   saltus::python::bind_kernel(module);
   saltus::python::bind_io(module);
+  saltus::python::bind_live_state(module);
   saltus::python::bind_compare(module);
   saltus::python::bind_examples(module);
 }

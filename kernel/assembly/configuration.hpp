@@ -48,6 +48,7 @@ class Configuration final : public BlockInverse {
   /// ½ vᵀ M v [J], of all systems or of those whose M depends on q
   double kinetic_energy(const Vec& v, bool only_varying = false) const;
 
+  const Layout& layout() const { return *layout_; }
   /// Gaps of all contacts (gaps) [m]
   const Vec& gaps() const { return gaps_; }
   /// Is the contact closed, g <= 0 (18)? Judged by position only, without tolerance.

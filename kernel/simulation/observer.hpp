@@ -1,4 +1,5 @@
 #pragma once
+#include "saltus/kernel/assembly/configuration.hpp"
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
 
 namespace saltus {
@@ -12,7 +13,8 @@ struct StepView {
   const Vec& velocities;  ///< γ = Wᵀv⁺ of all contacts (rows) [m/s]
   const Reactions& reactions;
   const StepReport& report;
-  double potential_energy;  ///< [J], NaN if a system does not know its own
+  double potential_energy;       ///< [J], NaN if a system does not know its own
+  Configuration& configuration;  ///< at the state; evaluates force directions when they are asked for
 };
 
 /// Looks at the steps of a run. Recorders are observers.

@@ -194,7 +194,7 @@ void TimeStepping::look() {
 }
 
 void TimeStepping::show(Observer& observer) {
-  observer.observe({step_, state_, view_.gaps(), velocities_, reactions_, report_, potential_energy_});
+  observer.observe({step_, state_, view_.gaps(), velocities_, reactions_, report_, potential_energy_, view_});
 }
 
 void TimeStepping::fail(const StepReport& report) {
