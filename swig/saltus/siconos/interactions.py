@@ -1,0 +1,265 @@
+"""Relations, laws and interactions as scripts compose them."""
+
+from __future__ import annotations
+
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from saltus import kernel as native
+from saltus.siconos.arrays import Named, NotThere, refuse_plugins, to_matrix, to_vector
+from saltus.siconos.systems import read_only
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from saltus.typing import FloatArray
+
+_numbers = count()
+_NOTHING = np.zeros(0)  # z of Siconos's signatures
+
+
+class NonSmoothLaw(Named):
+    """A law of `saltus.kernel`, `native`, with the methods of scripts."""
+
+    def __init__(self, law: native.NonSmoothLaw) -> None:
+        self.native = law
+
+    def size(self) -> int:
+        """Number of rows."""
+        return self.native.size
+
+
+class NewtonImpactNSL(NonSmoothLaw):
+    """Unilateral contact, restitution e in [0, 1]. Raises ValueError if it is outside."""
+
+    def __init__(self, e: float) -> None:
+        super().__init__(native.NewtonImpactNSL(e))
+        self._e = float(e)
+
+    def e(self) -> float:
+        return self._e
+
+
+class NewtonImpactFrictionNSL(NonSmoothLaw):
+    """Unilateral contact with Coulomb friction mu, restitution en and et, in dim = 2 or 3 dimensions.
+
+    Raises ValueError if one of them is outside what is allowed.
+    """
+
+    def __init__(self, en: float, et: float, mu: float, dim: int) -> None:
+        super().__init__(native.NewtonImpactFrictionNSL(en, et, mu, dim))
+        self._en, self._et, self._mu = float(en), float(et), float(mu)
+
+    def en(self) -> float:
+        return self._en
+
+    def et(self) -> float:
+        return self._et
+
+    def mu(self) -> float:
+        return self._mu
+
+
+class EqualityConditionNSL(NonSmoothLaw):
+    """A bilateral constraint of n rows."""
+
+    def __init__(self, n: int) -> None:
+        super().__init__(native.EqualityConditionNSL(n))
+
+
+class Relation(Named):
+    """What relations have in common: H(q), (rows, n), written by computeJachq or set."""
+
+    def __init__(self, *plugins: str) -> None:
+        refuse_plugins(*plugins)
+        self._jachq: FloatArray | None = None
+
+    def jachq(self) -> FloatArray:
+        """(rows, n) H, to be written by computeJachq; there once it is set or the interaction is linked.
+
+        Raises ValueError before that.
+        """
+        if self._jachq is None:
+            raise ValueError("expected an interaction that is linked, or setJachqPtr(), before jachq()")
+        return self._jachq
+
+    def setJachqPtr(self, H: Any) -> None:
+        self._jachq = np.asarray(to_matrix(H, "H"))
+
+    def link(self, rows: int, freedoms: int) -> None:
+        """Gives H the size that laws and systems ask for, unless it is set."""
+        if self._jachq is None:
+            self._jachq = np.zeros((rows, freedoms))
+
+    def native(self, rows: int) -> Any:
+        """The relation of Saltus with that many rows."""
+        raise NotImplementedError
+
+
+class LagrangianLinearTIR(Relation):
+    """y = H q + b, H (rows, n), b (rows,) zero if left out."""
+
+    def __init__(self, H: Any, b: ArrayLike | None = None) -> None:
+        super().__init__()
+        self.setJachqPtr(H)
+        self._b = None if b is None else to_vector(b, "b")
+
+    def C(self) -> FloatArray:
+        """(rows, n) H."""
+        return self.jachq()
+
+    def e(self) -> FloatArray | None:
+        """(rows,) b."""
+        return self._b
+
+    def native(self, rows: int) -> native.LagrangianLinearTIR:
+        return native.LagrangianLinearTIR(self.jachq(), self._b)
+
+
+class LagrangianScleronomousR(Relation):
+    """y = h(q).
+
+    Derive from it and override
+
+        def computeh(self, q, z, y): ...       # writes into y, (rows,)
+        def computeJachq(self, q, z): ...      # writes into self.jachq(), or setJachqPtr()
+
+    q is [q1; q2] between two systems, z is empty. Raises NotImplementedError for "Plugin:function".
+    """
+
+    def computeh(self, q: FloatArray, z: FloatArray, y: FloatArray) -> None:
+        raise NotThere(f"{type(self).__name__} must define computeh(self, q, z, y)")
+
+    def computeJachq(self, q: FloatArray, z: FloatArray) -> None:
+        raise NotThere(f"{type(self).__name__} must define computeJachq(self, q, z)")
+
+    def native(self, rows: int) -> native.LagrangianScleronomousR:
+        return _Scleronomous(self, rows)
+
+
+class LagrangianRheonomousR(Relation):
+    """y = h(t, q).
+
+    Derive from it and override
+
+        def computeh(self, time, q, z, y): ...
+        def computehDot(self, time, q, z): ...     # ∂h/∂t into self.hDot(), (rows,)
+        def computeJachq(self, time, q, z): ...
+
+    Raises NotImplementedError for "Plugin:function".
+    """
+
+    def __init__(self, *plugins: str) -> None:
+        super().__init__(*plugins)
+        self._hDot = _NOTHING
+
+    def hDot(self) -> FloatArray:
+        """(rows,) ∂h/∂t, to be written by computehDot."""
+        return self._hDot
+
+    def link(self, rows: int, freedoms: int) -> None:
+        super().link(rows, freedoms)
+        self._hDot = np.zeros(rows)
+
+    def computeh(self, time: float, q: FloatArray, z: FloatArray, y: FloatArray) -> None:
+        raise NotThere(f"{type(self).__name__} must define computeh(self, time, q, z, y)")
+
+    def computehDot(self, time: float, q: FloatArray, z: FloatArray) -> None:
+        raise NotThere(f"{type(self).__name__} must define computehDot(self, time, q, z)")
+
+    def computeJachq(self, time: float, q: FloatArray, z: FloatArray) -> None:
+        raise NotThere(f"{type(self).__name__} must define computeJachq(self, time, q, z)")
+
+    def native(self, rows: int) -> native.LagrangianRheonomousR:
+        return _Rheonomous(self, rows)
+
+
+class _Scleronomous(native.LagrangianScleronomousR):
+    """Asks a script's relation; a contact's gap is the first entry of y."""
+
+    def __init__(self, relation: LagrangianScleronomousR, rows: int) -> None:
+        super().__init__(rows)
+        self._relation = relation
+        self._y = np.zeros(rows)
+
+    def gap(self, q: FloatArray, out: FloatArray) -> None:
+        self._relation.computeh(q, _NOTHING, self._y)
+        out[:] = self._y[: len(out)]
+
+    def jacobian(self, q: FloatArray, out: FloatArray) -> None:
+        self._relation.computeJachq(q, _NOTHING)
+        out[:] = self._relation.jachq()
+
+
+class _Rheonomous(native.LagrangianRheonomousR):
+    def __init__(self, relation: LagrangianRheonomousR, rows: int) -> None:
+        super().__init__(rows)
+        self._relation = relation
+        self._y = np.zeros(rows)
+
+    def gap(self, t: float, q: FloatArray, out: FloatArray) -> None:
+        self._relation.computeh(t, q, _NOTHING, self._y)
+        out[:] = self._y[: len(out)]
+
+    def jacobian(self, t: float, q: FloatArray, out: FloatArray) -> None:
+        self._relation.computeJachq(t, q, _NOTHING)
+        out[:] = self._relation.jachq()
+
+    def motion(self, t: float, q: FloatArray, out: FloatArray) -> None:
+        self._relation.computehDot(t, q, _NOTHING)
+        out[:] = self._relation.hDot()
+
+
+class Interaction(Named):
+    """A law that acts in a relation.
+
+    Raises TypeError if the arguments are not a law and a relation of this package.
+    """
+
+    def __init__(self, law: NonSmoothLaw, relation: Relation) -> None:
+        if not isinstance(law, NonSmoothLaw) or not isinstance(relation, Relation):
+            got = f"{type(law).__name__}, {type(relation).__name__}"
+            raise TypeError(f"an Interaction takes a law and a relation, got {got}")
+        self._law, self._relation = law, relation
+        self._number = next(_numbers)
+        rows = law.size()
+        gaps = rows if law.native.bilateral else 1
+        #: y(0), y(1) and lambda_(1), kept by the simulation
+        self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows)
+        self._seen = tuple(read_only(array) for array in self.live)
+
+    def y(self, level: int) -> FloatArray:
+        """y(0) the gap [m], of a bilateral constraint all rows; y(1) (rows,) the velocities [m/s].
+
+        Live, and zero before the first step.
+        """
+        if level not in (0, 1):
+            raise NotThere(f"y(0), the gap, and y(1), the velocities, are there, got y({level})")
+        return self._seen[level]
+
+    def lambda_(self, level: int) -> FloatArray:
+        """(rows,) the impulse of the last step [N s], live; that of contact forces over the step included."""
+        if level != 1:
+            raise NotThere(f"lambda_(1), the impulse, is there, got lambda_({level})")
+        return self._seen[2]
+
+    def nonSmoothLaw(self) -> NonSmoothLaw:
+        return self._law
+
+    def relation(self) -> Relation:
+        return self._relation
+
+    def dimension(self) -> int:
+        """Number of rows."""
+        return self._law.size()
+
+    def number(self) -> int:
+        """Of all interactions that were ever made."""
+        return self._number
+
+    def native(self, freedoms: int) -> native.Interaction:
+        """The interaction of Saltus on systems that have that many freedoms together."""
+        self._relation.link(self.dimension(), freedoms)
+        return native.Interaction(self._relation.native(self.dimension()), self._law.native)

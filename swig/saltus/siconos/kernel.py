@@ -1,0 +1,141 @@
+"""The names of `siconos.kernel`, and all integrators of Saltus.
+
+import saltus.siconos.kernel as sk
+ball = sk.LagrangianLinearTIDS([1, 0, 0], [0, 0, 0], numpy.eye(3))
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from saltus import kernel as native
+from saltus.registry import IntegratorFactory
+from saltus.siconos import numerics
+from saltus.siconos.arrays import DENSE, SPARSE, NotThere, SiconosVector, SimpleMatrix, getMatrix, getVector
+from saltus.siconos.interactions import (
+    EqualityConditionNSL,
+    Interaction,
+    LagrangianLinearTIR,
+    LagrangianRheonomousR,
+    LagrangianScleronomousR,
+    NewtonImpactFrictionNSL,
+    NewtonImpactNSL,
+)
+from saltus.siconos.simulation import (
+    SICONOS_OSNSP_TS_VELOCITY,
+    FrictionContact,
+    NonSmoothDynamicalSystem,
+    OneStepNSProblem,
+    TimeDiscretisation,
+    TimeStepping,
+)
+from saltus.siconos.systems import LagrangianDS, LagrangianLinearDiagonalDS, LagrangianLinearTIDS
+
+__all__ = [
+    "DENSE",
+    "SICONOS_OSNSP_TS_VELOCITY",
+    "SPARSE",
+    "EqualityConditionNSL",
+    "FrictionContact",
+    "Interaction",
+    "LagrangianDS",
+    "LagrangianLinearDiagonalDS",
+    "LagrangianLinearTIDS",
+    "LagrangianLinearTIR",
+    "LagrangianRheonomousR",
+    "LagrangianScleronomousR",
+    "NewtonImpactFrictionNSL",
+    "NewtonImpactNSL",
+    "NonSmoothDynamicalSystem",
+    "SiconosVector",
+    "SimpleMatrix",
+    "TimeDiscretisation",
+    "TimeStepping",
+    "getMatrix",
+    "getVector",
+]
+
+#: What is merely spelled otherwise: Siconos's name, ours
+ALIASES: dict[str, Any] = {
+    "LCP": OneStepNSProblem,
+    "MLCP": OneStepNSProblem,
+    "Equality": OneStepNSProblem,
+    "GenericMechanical": OneStepNSProblem,
+    "D1MinusLinearOSI": native.DMinusAccelerationOSI,
+    "TimeSteppingD1Minus": TimeStepping,
+}
+
+#: What is not there: it can be imported, and says so where it is used
+NOT_THERE = {
+    **dict.fromkeys(
+        (
+            "FirstOrderLinearDS",
+            "FirstOrderLinearTIDS",
+            "FirstOrderNonLinearDS",
+            "FirstOrderLinearR",
+            "FirstOrderLinearTIR",
+            "FirstOrderNonLinearR",
+            "FirstOrderType1R",
+            "FirstOrderType2R",
+            "ComplementarityConditionNSL",
+            "RelayNSL",
+            "EulerMoreauOSI",
+            "ZeroOrderHoldOSI",
+            "Relay",
+        ),
+        "first-order systems are not there, Lagrangian ones are",
+    ),
+    **dict.fromkeys(
+        ("EventDriven", "LsodarOSI", "NewMarkAlphaOSI", "Hem5OSI"),
+        "event-driven simulation is not there; AdaptiveHalfExplicitOSI finds impact times",
+    ),
+    **dict.fromkeys(
+        (
+            "MoreauJeanGOSI",
+            "MoreauJeanDirectProjectionOSI",
+            "MoreauJeanCombinedProjectionOSI",
+            "MoreauJeanBilbaoOSI",
+            "SchatzmanPaoliOSI",
+            "TimeSteppingDirectProjection",
+            "TimeSteppingCombinedProjection",
+        ),
+        "not there; MoreauJeanOSI and HalfExplicitTrapezoidalOSI(stabilization='position') are",
+    ),
+    **dict.fromkeys(
+        ("NewtonEulerDS", "NewtonEulerR", "NewtonEuler1DR", "NewtonEuler3DR"),
+        "rigid bodies are not there under this name, saltus.kernel.NewtonEulerDS is",
+    ),
+    "LagrangianCompliantLinearTIR": "compliant relations are not there, LagrangianLinearTIR is",
+    "LagrangianCompliantR": "compliant relations are not there, LagrangianScleronomousR is",
+    **dict.fromkeys(
+        ("FixedBC", "HarmonicBC", "BoundaryCondition"),
+        "boundary conditions are not there, EqualityConditionNSL with a relation is",
+    ),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in ALIASES:
+        return ALIASES[name]
+    if name in NOT_THERE:
+        return _refusing(name, NOT_THERE[name])
+    if name.startswith("SICONOS_"):
+        return getattr(numerics, name)
+    if name in dir(native):  # the integrators of the registry
+        found = getattr(native, name)
+        if isinstance(found, IntegratorFactory):
+            return found
+    raise AttributeError(f"saltus.siconos.kernel has no '{name}', it has {', '.join(__dir__())}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *ALIASES, *(entry["name"] for entry in native.integrators())])
+
+
+def _refusing(name: str, why: str) -> type:
+    """A class that a script can import and derive from, but not make."""
+
+    def refuse(self: object, *_: object, **__: object) -> None:
+        raise NotThere(f"{name}: {why}")
+
+    return type(name, (), {"__init__": refuse, "__doc__": why})

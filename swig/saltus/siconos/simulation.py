@@ -1,0 +1,330 @@
+"""Models and simulations as scripts drive them, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from saltus import kernel as native
+from saltus._core import LiveState
+from saltus.siconos.arrays import Named, NotThere
+from saltus.siconos.interactions import Interaction
+from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
+from saltus.siconos.systems import LagrangianDS
+
+if TYPE_CHECKING:
+    from saltus.io import Trajectory
+
+SICONOS_OSNSP_TS_VELOCITY = 0
+
+
+@dataclass
+class Changes:
+    """What is changed in the simulations of a script, None as it says, and those that it made."""
+
+    integrator: str | None = None  #: as `saltus.registry.make_integrator` takes it
+    solver: str | None = None
+    time_step: float | None = None  #: [s]
+    until: float | None = None  #: [s]
+    simulations: list[TimeStepping] = field(default_factory=list)
+
+
+_changes: Changes | None = None
+
+
+def change(changes: Changes | None) -> None:
+    """Let simulations that are made from now on follow `changes`, and be listed in them; None: no longer."""
+    global _changes  # the script in between knows nothing of it
+    _changes = changes
+
+
+class TimeDiscretisation(Named):
+    """t_k = t0 + k h. Raises NotImplementedError for anything else than two numbers."""
+
+    def __init__(self, t0: float, h: float) -> None:
+        try:
+            self.t0, self.h = float(t0), float(h)
+        except (TypeError, ValueError) as error:
+            raise NotThere(f"TimeDiscretisation(t0, h) of two numbers is there, got {t0!r}, {h!r}") from error
+
+    def currentTimeStep(self, k: int) -> float:
+        """[s], whatever k is."""
+        return self.h
+
+    def getTk(self, k: int) -> float:
+        """t_k [s]."""
+        return self.t0 + k * self.h
+
+
+class NonSmoothDynamicalSystem(Named):
+    """Systems and the interactions between them, from t0 to T [s]."""
+
+    def __init__(self, t0: float, T: float) -> None:
+        self._t0, self._T = float(t0), float(T)
+        self.systems: list[LagrangianDS] = []
+        self.links: list[tuple[Interaction, LagrangianDS, LagrangianDS | None]] = []
+
+    def insertDynamicalSystem(self, ds: LagrangianDS) -> None:
+        """Raises TypeError if it is no system of this package."""
+        if not isinstance(ds, LagrangianDS):
+            raise TypeError(f"expected a LagrangianDS or one derived from it, got {type(ds).__name__}")
+        self.systems.append(ds)
+
+    def link(self, interaction: Interaction, ds1: LagrangianDS, ds2: LagrangianDS | None = None) -> None:
+        """Let it act between ds1 and the ground or ds2. Raises ValueError if a system is not inserted."""
+        for ds in (ds1, *(() if ds2 is None else (ds2,))):
+            if not any(ds is known for known in self.systems):
+                raise ValueError("expected a system that is inserted, insertDynamicalSystem(), before link()")
+        freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
+        interaction.relation().link(interaction.dimension(), freedoms)
+        self.links.append((interaction, ds1, ds2))
+
+    def t0(self) -> float:
+        return self._t0
+
+    def finalT(self) -> float:
+        return self._T
+
+    def setT(self, T: float) -> None:
+        self._T = float(T)
+
+    def dynamicalSystem(self, number: int) -> LagrangianDS:
+        """The one that has this number(). Raises ValueError if there is none."""
+        for ds in self.systems:
+            if ds.number() == number:
+                return ds
+        raise ValueError(f"no system has the number {number}, got {[ds.number() for ds in self.systems]}")
+
+    def interaction(self, number: int) -> Interaction:
+        """The one that has this number(). Raises ValueError if there is none."""
+        for interaction, _, _ in self.links:
+            if interaction.number() == number:
+                return interaction
+        raise ValueError(f"no interaction has the number {number}")
+
+    def getNumberOfDS(self) -> int:
+        return len(self.systems)
+
+    def getNumberOfInteractions(self) -> int:
+        return len(self.links)
+
+    def native(self) -> native.NonSmoothDynamicalSystem:
+        """The model of Saltus, as it is now."""
+        made = {id(ds): ds.native() for ds in self.systems}
+        system = native.NonSmoothDynamicalSystem(list(made.values()), self._t0)
+        for interaction, ds1, ds2 in self.links:
+            freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
+            second = None if ds2 is None else made[id(ds2)]
+            system.link(interaction.native(freedoms), made[id(ds1)], second)
+        return system
+
+
+class OneStepNSProblem(Named):
+    """The contact problems of a simulation: any of the names of scripts, as one solver takes them all.
+
+    Parameters
+    ----------
+    solver : id of a solver, as SICONOS_LCP_LEMKE; if it is left out, Saltus's choice
+
+    Raises
+    ------
+    NotImplementedError
+        If there is no such solver.
+    """
+
+    hints = {
+        "setMaxSize": "problems are sized by the model",
+        "setMStorageType": "storage follows from the model",
+        "setNumericsVerboseMode": "solvers print nothing",
+        "setKeepLambdaAndYState": "impulses of the step before are the first guess",
+    }
+
+    def __init__(self, solver: int | None = None) -> None:
+        self._options = SolverOptions(200 if solver is None else solver)
+        self._chosen = solver is not None
+
+    def setSolverId(self, solver: int) -> None:
+        self._options.solverId = SolverOptions(solver).solverId
+        self._chosen = True
+
+    def numericsSolverOptions(self) -> SolverOptions:
+        return self._options
+
+    @property
+    def method(self) -> str:
+        """Name of the solver in `saltus.numerics.solvers()`."""
+        return self._options.method if self._chosen else "auto"
+
+
+class FrictionContact(OneStepNSProblem):
+    """Contact problems with friction in dim = 2 or 3 dimensions, which the laws say as well."""
+
+    def __init__(self, dim: int, solver: int | None = None) -> None:
+        if dim not in (2, 3):
+            raise ValueError(f"dim must be 2 or 3, got {dim}")
+        super().__init__(solver)
+
+
+class TimeStepping(Named):
+    """A simulation with steps of equal size, driven by the script.
+
+    Parameters
+    ----------
+    nsds, td, osi, osnspb : model, steps, integrator and contact problems; the last two can be inserted later.
+        Any integrator of `saltus.kernel` can be given
+
+    Raises
+    ------
+    ValueError
+        At the first step: what `saltus.kernel.TimeStepping` raises.
+    """
+
+    hints = {
+        "setNewtonMaxIteration": "the iteration ends at rounding, or says that it does not",
+        "setNewtonOptions": "linear models are known to be linear",
+        "setDisplayNewtonConvergence": "nothing is printed",
+    }
+
+    def __init__(
+        self,
+        nsds: NonSmoothDynamicalSystem,
+        td: TimeDiscretisation,
+        osi: native.OneStepIntegrator | None = None,
+        osnspb: OneStepNSProblem | None = None,
+    ) -> None:
+        self._nsds, self._td, self._osi = nsds, td, osi
+        self._problem = osnspb or OneStepNSProblem()
+        self._simulation: native.TimeStepping | None = None
+        self._h, self._substeps = td.h, 1
+        self._until: float | None = None
+        self._step = 0
+        self._computed = False
+        self._changes = _changes
+        if _changes is not None:
+            _changes.simulations.append(self)
+            self._follow(_changes)
+
+    def _follow(self, changes: Changes) -> None:
+        self._until = changes.until
+        dt = changes.time_step
+        if dt is None:
+            return
+        self._substeps = max(1, round(self._h / dt))
+        if dt > self._h:
+            self._h = dt
+        elif abs(self._substeps * dt - self._h) > 1e-9 * self._h:
+            raise ValueError(
+                f"a smaller time step must be a whole fraction of the script's, {self._h:g} s, got {dt:g} s"
+            )
+
+    def insertIntegrator(self, osi: native.OneStepIntegrator) -> None:
+        self._osi = osi
+
+    def insertNonSmoothProblem(self, problem: OneStepNSProblem, id: int = SICONOS_OSNSP_TS_VELOCITY) -> None:
+        if id != SICONOS_OSNSP_TS_VELOCITY:
+            raise NotThere(f"one problem, SICONOS_OSNSP_TS_VELOCITY = 0, is there, got {id}")
+        self._problem = problem
+
+    def associate(self, osi: native.OneStepIntegrator, ds: LagrangianDS) -> None:
+        """One integrator takes all systems. Raises NotImplementedError for a second one."""
+        if self._osi is not None and osi is not self._osi:
+            raise NotThere("one integrator for all systems is there, got another one")
+        self._osi = osi
+
+    def setNewtonTolerance(self, tolerance: float) -> None:
+        """Iterations end at 1e-12 of the velocities. Raises NotImplementedError if that is wider."""
+        if tolerance < 1e-12:
+            raise NotThere(f"Newton's iteration ends at 1e-12 of the velocities, got {tolerance:g}")
+
+    def nonSmoothDynamicalSystem(self) -> NonSmoothDynamicalSystem:
+        return self._nsds
+
+    def oneStepNSProblem(self, id: int) -> OneStepNSProblem:
+        return self._problem
+
+    def initialize(self) -> None:
+        """Make the simulation now; the first step does it as well."""
+        if self._simulation is None:
+            self._start()
+
+    def _start(self) -> native.TimeStepping:
+        changes = self._changes or Changes()
+        integrator = changes.integrator or self._osi
+        if integrator is None:
+            raise ValueError("expected an integrator, as MoreauJeanOSI(0.5), got none")
+        links = self._nsds.links
+        dt = self._h / self._substeps
+        simulation = native.TimeStepping(
+            self._nsds.native(),
+            integrator,
+            dt,
+            solver=changes.solver or self._problem.method,
+            tolerance=float(self._problem.numericsSolverOptions().dparam[SICONOS_DPARAM_TOL]),
+        )
+        systems = [ds.live for ds in self._nsds.systems]
+        contacts = [interaction.live for interaction, _, _ in links]
+        simulation.add_observer(LiveState(systems, contacts, dt, self._substeps))
+        self._simulation = simulation
+        return simulation
+
+    @property
+    def started(self) -> bool:
+        """Say whether the simulation was made, by its first step or by initialize()."""
+        return self._simulation is not None
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """What was recorded, every step of it, as `saltus.kernel.TimeStepping` does."""
+        return (self._simulation or self._start()).trajectory
+
+    def hasNextEvent(self) -> bool:
+        """Say whether there is a whole step before T."""
+        T = self._nsds.finalT() if self._until is None else self._until
+        return self.nextTime() <= T + min(1e-12 * abs(T), 1e-3 * self._h)
+
+    def computeOneStep(self) -> None:
+        """Take the step to nextTime(): all live views are then of that time.
+
+        Raises
+        ------
+        SimulationError
+            If it cannot be taken.
+        RuntimeError
+            If it was taken, and nextStep() is missing.
+        """
+        if self._computed:
+            raise RuntimeError("expected nextStep() after computeOneStep(), got computeOneStep() again")
+        simulation = self._simulation or self._start()
+        for _ in range(self._substeps):
+            simulation.step()
+        self._computed = True
+
+    def nextStep(self) -> None:
+        """Accept the step. Raises RuntimeError if there is none."""
+        if not self._computed:
+            raise RuntimeError("expected computeOneStep() before nextStep(), got none")
+        self._computed = False
+        self._step += 1
+
+    def run(self) -> None:
+        """All steps to T."""
+        while self.hasNextEvent():
+            self.computeOneStep()
+            self.nextStep()
+
+    def startingTime(self) -> float:
+        """Where the step starts [s]."""
+        return self._nsds.t0() + self._step * self._h
+
+    def nextTime(self) -> float:
+        """Where the step ends [s]."""
+        return self._nsds.t0() + (self._step + 1) * self._h
+
+    def timeStep(self) -> float:
+        """From startingTime() to nextTime() [s]."""
+        return self._h
+
+    advanceToEvent = computeOneStep
+    processEvents = nextStep
+    getTk = startingTime
+    getTkp1 = nextTime

@@ -1,0 +1,281 @@
+"""Lagrangian systems as scripts compose them: values that can be set, and overrides of single terms."""
+
+from __future__ import annotations
+
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import sparse
+
+from saltus import kernel as native
+from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vector
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from saltus.typing import FloatArray, Matrix
+
+_numbers = count()
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """A view that shows the values and cannot change them."""
+    view: FloatArray = array.view()
+    view.flags.writeable = False
+    return view
+
+
+class LagrangianDS(Named):
+    """M(q) v̇ + F_int(t, q, v) + F_gyr(q, v) = F_ext(t) + p, q̇ = v.
+
+    Derive from it and override, where the term is not a constant that is set,
+
+        def computeFExt(self, time): ...                          # writes into self.fExt(), or setFExtPtr()
+        def computeFInt(self, time, position, velocity): ...      # self.fInt(), setFIntPtr()
+        def computeFGyr(self, position, velocity): ...            # self.fGyr(), setFGyrPtr()
+        def computeMass(self, position): ...                      # self.mass(), setMassPtr()
+
+    Derivatives of the forces are found by differences where a scheme needs them.
+
+    Parameters
+    ----------
+    q0, v0 : (n,) initial position and velocity
+    mass : (n, n), the identity if neither it nor computeMass is given
+
+    Raises
+    ------
+    ValueError
+        When the simulation is made: if shapes disagree, or a value is not finite.
+    NotImplementedError
+        For "Plugin:function" in the place of numbers.
+    """
+
+    def __init__(self, q0: ArrayLike, v0: ArrayLike, mass: Any = None) -> None:
+        self._q0 = to_vector(q0, "q0").copy()
+        self._v0 = to_vector(v0, "v0").copy()
+        self._mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
+        self._K: Matrix | None = None
+        self._C: Matrix | None = None
+        self._fExt: FloatArray | None = None
+        self._fInt: FloatArray | None = None
+        self._fGyr: FloatArray | None = None
+        self._number = next(_numbers)
+        #: q, v and p(1), kept by the simulation
+        self.live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0))
+        self._seen = tuple(read_only(array) for array in self.live)
+
+    def q(self) -> FloatArray:
+        """(n,) the position now, live."""
+        return self._seen[0]
+
+    def velocity(self) -> FloatArray:
+        """(n,) the velocity now, live."""
+        return self._seen[1]
+
+    def p(self, level: int) -> FloatArray:
+        """(n,) Wλ of all interactions in the last step [N s], live."""
+        if level != 1:
+            raise NotThere(f"p(1), the impulse, is there, got p({level})")
+        return self._seen[2]
+
+    def q0(self) -> FloatArray:
+        return read_only(self._q0)
+
+    def velocity0(self) -> FloatArray:
+        return read_only(self._v0)
+
+    def dimension(self) -> int:
+        return len(self._q0)
+
+    def number(self) -> int:
+        """Of all systems that were ever made."""
+        return self._number
+
+    def mass(self) -> Any:
+        """(n, n), to be written by computeMass; fixed for the simulation if that is not overridden."""
+        if self._mass is None:
+            self._mass = np.eye(self.dimension())
+        return self._mass
+
+    def fExt(self) -> FloatArray:
+        """(n,), to be written by computeFExt; fixed for the simulation if that is not overridden."""
+        if self._fExt is None:
+            self._fExt = np.zeros(self.dimension())
+        return self._fExt
+
+    def fInt(self) -> FloatArray:
+        """(n,), likewise of computeFInt."""
+        if self._fInt is None:
+            self._fInt = np.zeros(self.dimension())
+        return self._fInt
+
+    def fGyr(self) -> FloatArray:
+        """(n,), likewise of computeFGyr."""
+        if self._fGyr is None:
+            self._fGyr = np.zeros(self.dimension())
+        return self._fGyr
+
+    def setMassPtr(self, mass: Any) -> None:
+        self._mass = to_matrix(mass, "mass")
+
+    def setFExtPtr(self, force: ArrayLike) -> None:
+        self._fExt = to_vector(force, "fExt")
+
+    def setFIntPtr(self, force: ArrayLike) -> None:
+        self._fInt = to_vector(force, "fInt")
+
+    def setFGyrPtr(self, force: ArrayLike) -> None:
+        self._fGyr = to_vector(force, "fGyr")
+
+    def computeFExt(self, time: float) -> None:
+        """To be overridden."""
+
+    def computeFInt(self, time: float, position: FloatArray, velocity: FloatArray) -> None:
+        """To be overridden."""
+
+    def computeFGyr(self, position: FloatArray, velocity: FloatArray) -> None:
+        """To be overridden."""
+
+    def computeMass(self, position: FloatArray) -> None:
+        """To be overridden."""
+
+    def computeKineticEnergy(self) -> float:
+        """½ vᵀ M v [J] now."""
+        self.computeMass(self.q())
+        return float(0.5 * self.velocity() @ (self.mass() @ self.velocity()))
+
+    def overrides(self, *methods: str) -> bool:
+        """Say whether the script's class defines one of them."""
+        return any(getattr(type(self), name) is not getattr(LagrangianDS, name) for name in methods)
+
+    def native(self) -> native.LagrangianDS:
+        """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
+        terms: tuple[tuple[Any, str], ...] = (
+            (self.mass(), "computeMass"),
+            (self.fExt(), "computeFExt"),
+            (self.fInt(), "computeFInt"),
+            (self.fGyr(), "computeFGyr"),
+            (self._K, ""),
+            (self._C, ""),
+        )
+        for array, method in terms:
+            if isinstance(array, np.ndarray) and not (method and self.overrides(method)):
+                array.flags.writeable = False
+        if self.overrides("computeMass"):
+            return _VaryingMass(self)
+        if self.overrides("computeFInt", "computeFGyr"):
+            return _Nonlinear(self, to_dense(self.mass()))
+        if self.overrides("computeFExt"):
+            return _Driven(self)
+        force = self.fExt() - self.fInt() - self.fGyr()
+        return native.LagrangianLinearTIDS(self._q0, self._v0, self.mass(), self._K, self._C, force)
+
+    def write_forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
+        """h(t, q, v) of the overrides and the constants; meanwhile q() and velocity() are these."""
+        self.live[0][:] = q
+        self.live[1][:] = v
+        self.computeFExt(t)
+        self.computeFInt(t, q, v)
+        self.computeFGyr(q, v)
+        out[:] = self.fExt()
+        out -= self.fInt()
+        out -= self.fGyr()
+        if self._K is not None:
+            out -= self._K @ q
+        if self._C is not None:
+            out -= self._C @ v
+
+
+class LagrangianLinearTIDS(LagrangianDS):
+    """M v̇ + C v + K q = F_ext + p; computeFExt can be overridden, as in LagrangianDS.
+
+    Parameters
+    ----------
+    q0, v0 : (n,) initial position and velocity
+    mass : (n, n) M
+    K, C : (n, n) stiffness [N/m] and damping [N s/m], zero if left out
+    """
+
+    def __init__(self, q0: ArrayLike, v0: ArrayLike, mass: Any, K: Any = None, C: Any = None) -> None:
+        super().__init__(q0, v0, mass)
+        if K is not None:
+            self.setKPtr(K)
+        if C is not None:
+            self.setCPtr(C)
+
+    def K(self) -> Matrix | None:
+        return self._K
+
+    def C(self) -> Matrix | None:
+        return self._C
+
+    def setKPtr(self, K: Any) -> None:
+        self._K = to_matrix(K, "K")
+
+    def setCPtr(self, C: Any) -> None:
+        self._C = to_matrix(C, "C")
+
+
+class LagrangianLinearDiagonalDS(LagrangianLinearTIDS):
+    """The same with diagonal matrices, of which k, c and m (n,) are the entries; m is one if left out."""
+
+    def __init__(
+        self,
+        q0: ArrayLike,
+        v0: ArrayLike,
+        stiffness: ArrayLike,
+        damping: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+    ) -> None:
+        k = to_vector(stiffness, "stiffness")
+        m = np.ones(len(k)) if mass is None else to_vector(mass, "mass")
+        C = None if damping is None else _diagonal(to_vector(damping, "damping"))
+        super().__init__(q0, v0, _diagonal(m), _diagonal(k), C)
+
+
+def _diagonal(entries: FloatArray) -> Matrix:
+    return sparse.csr_array(sparse.diags_array(entries))
+
+
+class _Nonlinear(native.LagrangianDS):
+    """Forces by overrides, derivatives by differences."""
+
+    def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
+        super().__init__(ds.q0(), ds.velocity0(), mass)
+        self.ds = ds
+
+    def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
+        self.ds.write_forces(t, q, v, out)
+
+
+class _VaryingMass(_Nonlinear):
+    def mass(self, q: FloatArray, out: FloatArray) -> None:
+        self.ds.computeMass(q)
+        out[:] = self.ds.mass()
+
+
+class _Driven(_Nonlinear):
+    """An external force by override, all else linear: the derivatives are known."""
+
+    def __init__(self, ds: LagrangianDS) -> None:
+        super().__init__(ds, to_dense(ds.mass()))
+        self._jacobians = np.zeros((2, ds.dimension(), ds.dimension()))
+        for k, matrix in enumerate((ds._K, ds._C)):
+            if matrix is not None:
+                self._jacobians[k] = -to_dense(matrix)
+        self._linear = bool(self._jacobians.any())
+        self._q, self._v, _ = ds.live
+        self._constant = ds.fInt() + ds.fGyr()
+
+    def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
+        self._q[:] = q
+        self._v[:] = v
+        self.ds.computeFExt(t)
+        np.subtract(self.ds.fExt(), self._constant, out=out)
+        if self._linear:
+            out += self._jacobians[0] @ q
+            out += self._jacobians[1] @ v
+
+    def force_jacobians(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
+        out[:] = self._jacobians
