@@ -178,6 +178,41 @@ def models() -> None:
 
 
 @app.command()
+def run(
+    script: Annotated[Path, typer.Argument(help="A Python script that imports siconos.kernel.")],
+    arguments: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[-- ARGUMENT...]", help="What the script finds in sys.argv."),
+    ] = None,
+    integrator: Annotated[
+        str | None,
+        typer.Option(help="NAME, NAME(option=value), library:Class or file.py:Class, in place of its own."),
+    ] = None,
+    solver: Annotated[
+        str | None, typer.Option(help="NAME, library:Class or file.py:Class, in place of its own.")
+    ] = None,
+    time_step: Annotated[
+        float | None,
+        typer.Option(help="In s. A smaller one must be a whole fraction: the script sees every n-th step."),
+    ] = None,
+    until: Annotated[float | None, typer.Option(help="End in s, in place of its own.")] = None,
+    record: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write every step to a .h5, .hdf5 or .csv file.")
+    ] = None,
+) -> None:
+    """Run a script written for Siconos as it is, or with another integrator, solver, time step or end.
+
+    Exit status 0, 1 if the script ends with an error, 2 on misuse.
+    """
+    from saltus.cli.run import run as run_it
+    from saltus.siconos.simulation import Changes
+
+    with _misuse():
+        ok = run_it(script, arguments or [], Changes(integrator, solver, time_step, until), record)
+    raise typer.Exit(code=0 if ok else 1)
+
+
+@app.command()
 def compare(
     model: ModelArgument,
     integrators: Integrators = "",

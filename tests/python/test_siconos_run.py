@@ -1,0 +1,105 @@
+"""`saltus run`, as a process."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from saltus.io import read_hdf5
+
+SALTUS = Path(sys.executable).parent / "saltus"
+SCRIPTS = Path(__file__).parents[1] / "siconos" / "scripts"
+BALL = SCRIPTS / "bouncing_ball.py"
+
+
+def saltus(*arguments, cwd):
+    return subprocess.run(
+        [SALTUS, "run", *map(str, arguments)], cwd=cwd, capture_output=True, text=True, check=False
+    )
+
+
+def test_a_script_runs_as_it_is_and_is_recorded(tmp_path):
+    result = saltus(BALL, "--record", "ball.h5", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "ball.h5: 1001 rows" in result.stderr
+    trajectory = read_hdf5(tmp_path / "ball.h5")
+    assert trajectory.provenance.integrator == "MoreauJeanOSI"
+    assert trajectory.provenance.time_step == 5e-3
+    assert trajectory.q[0, 0] == 1.0
+
+
+def test_integrator_solver_step_and_end_are_swapped(tmp_path):
+    options = ["--integrator", "HalfExplicitRungeKuttaOSI(tableau=RK4)", "--solver", "lemke"]
+    steps = ["--time-step", "0.01", "--until", "1.5", "--record", "ball.csv"]
+    result = saltus(BALL, *options, *steps, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    table = np.genfromtxt(tmp_path / "ball.csv", delimiter=",", names=True)
+    assert len(table) == 151
+    h5 = saltus(BALL, *options, *steps[:-1], "ball.h5", cwd=tmp_path)
+    assert h5.returncode == 0
+    provenance = read_hdf5(tmp_path / "ball.h5").provenance
+    assert (provenance.integrator, provenance.solver) == ("HalfExplicitRungeKuttaOSI", "lemke")
+
+
+def test_a_picture_opens_no_window_and_arguments_arrive(tmp_path):
+    (tmp_path / "picture.py").write_text(
+        "import sys\nimport siconos.kernel as sk\nimport matplotlib\nimport matplotlib.pyplot as plt\n"
+        "plt.plot([0, 1])\nplt.show()\nplt.savefig(sys.argv[1])\nprint(matplotlib.get_backend().lower())\n"
+    )
+    result = saltus("picture.py", "--", "picture.png", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout == "agg\n"
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_error_of_the_script_names_its_line(tmp_path):
+    (tmp_path / "broken.py").write_text("import siconos.kernel as sk\nsk.EventDriven(1, 2)\n")
+    result = saltus("broken.py", cwd=tmp_path)
+    assert result.returncode == 1
+    assert "broken.py, line 2: NotThere: EventDriven: event-driven simulation is not there" in result.stderr
+    assert "Traceback" not in result.stderr
+    (tmp_path / "other.py").write_text("import siconos.mechanics\n")
+    assert "siconos.kernel and siconos.numerics are there" in saltus("other.py", cwd=tmp_path).stderr
+
+
+def test_what_was_recorded_before_an_error_is_kept(tmp_path):
+    text = BALL.read_text().replace(
+        "    simulation.nextStep()", "    simulation.nextStep()\n    1 / (k - 11)"
+    )
+    (tmp_path / "ends.py").write_text(text)
+    result = saltus("ends.py", "--record", "ends.h5", cwd=tmp_path)
+    assert result.returncode == 1
+    assert "ZeroDivisionError" in result.stderr
+    assert len(read_hdf5(tmp_path / "ends.h5")) == 11
+
+
+def test_each_simulation_has_its_file(tmp_path):
+    (tmp_path / "twice.py").write_text(2 * BALL.read_text())
+    result = saltus("twice.py", "--until", "0.1", "--record", "run.h5", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert len(read_hdf5(tmp_path / "run.h5")) == len(read_hdf5(tmp_path / "run-2.h5")) == 21
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.py"], "there is no file 'none.py'"),
+        ([BALL, "--integrator", "Nonsense"], "no integrator named 'Nonsense'"),
+        ([BALL, "--solver", "nonsense"], "no contact solver named 'nonsense'"),
+        ([BALL, "--time-step", "-1"], "--time-step must be positive and finite, got -1"),
+        ([BALL, "--until", "inf"], "--until must be positive and finite, got inf"),
+        ([BALL, "--record", "a.txt"], "--record must end in one of .h5, .hdf5, .csv, got 'a.txt'"),
+    ],
+)
+def test_misuse_is_one_line_and_2(tmp_path, arguments, message):
+    result = saltus(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_step_that_does_not_divide_the_scripts_is_refused(tmp_path):
+    result = saltus(BALL, "--time-step", "0.003", cwd=tmp_path)
+    assert result.returncode == 1
+    assert "must be a whole fraction of the script's, 0.005 s, got 0.003 s" in result.stderr
