@@ -11,6 +11,7 @@ import pytest
 import saltus.kernel as native
 import saltus.siconos.kernel as sk
 import saltus.siconos.numerics as sn
+from saltus._core import LiveState
 from saltus.siconos.script import run_script
 from saltus.siconos.simulation import Changes
 from scipy.integrate import solve_ivp
@@ -218,6 +219,7 @@ def test_a_driven_linear_system_keeps_stiffness_and_damping():
 
     K, C = [[3.0, -1.0], [-1.0, 2.0]], [[0.2, 0.0], [0.0, 0.1]]
     ds = Driven([1.0, 0.0], [0.0, 0.5], np.eye(2), K, C)
+    ds.setFIntPtr([0.3, -0.2])
     model = sk.NonSmoothDynamicalSystem(0.0, 1.0)
     model.insertDynamicalSystem(ds)
     simulation = sk.TimeStepping(model, sk.TimeDiscretisation(0.0, 1e-2), sk.MoreauJeanOSI(0.5))
@@ -225,7 +227,7 @@ def test_a_driven_linear_system_keeps_stiffness_and_damping():
 
     class Expected(native.LagrangianDS):
         def forces(self, t, q, v, out):
-            out[:] = [np.cos(t), 0.0] - np.array(K) @ q - np.array(C) @ v
+            out[:] = [np.cos(t) - 0.3, 0.2] - np.array(K) @ q - np.array(C) @ v
 
     system = native.NonSmoothDynamicalSystem([Expected([1.0, 0.0], [0.0, 0.5], np.eye(2))])
     expected = native.TimeStepping(system, native.MoreauJeanOSI(0.5), 1e-2).run(1.0)
@@ -409,3 +411,15 @@ def test_a_script_runs_with_its_imports_changed(tmp_path):
     changed = runpy.run_path(str(tmp_path / "changed.py"))["dataPlot"]
     np.testing.assert_array_equal(changed, run("two_balls")[0])
     assert importlib.import_module("saltus.siconos.kernel") is sk
+
+
+def test_live_arrays_must_fit():
+    system = native_ball()
+    simulation = native.TimeStepping(system, native.MoreauJeanOSI(0.5), 1e-2)
+    three, one = (lambda: np.zeros(3)), (lambda: np.zeros(1))
+    with pytest.raises(ValueError, match="must have the sizes of the model"):
+        simulation.add_observer(LiveState([(three(), three(), one())], [(one(), one(), one())], 1e-2))
+    with pytest.raises(TypeError, match="contiguous and of float64"):
+        LiveState([(np.zeros(6)[::2], three(), three())], [], 1e-2)
+    with pytest.raises(ValueError, match="steps must be at least 1, got 0"):
+        LiveState([], [], 1e-2, 0)

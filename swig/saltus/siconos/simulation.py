@@ -280,7 +280,8 @@ class TimeStepping(Named):
     def hasNextEvent(self) -> bool:
         """Say whether there is a whole step before T."""
         T = self._nsds.finalT() if self._until is None else self._until
-        return self.nextTime() <= T + min(1e-12 * abs(T), 1e-3 * self._h)
+        rounding = min(1e-12 * abs(T), 1e-3 * self._h)  # as saltus.kernel.TimeStepping.run
+        return self.nextTime() <= T + rounding
 
     def computeOneStep(self) -> None:
         """Take the step to nextTime(): all live views are then of that time.

@@ -266,16 +266,22 @@ class _Driven(_Nonlinear):
                 self._jacobians[k] = -to_dense(matrix)
         self._linear = bool(self._jacobians.any())
         self._q, self._v, _ = ds.live
-        self._constant = ds.fInt() + ds.fGyr()
+        constant = ds.fInt() + ds.fGyr()
+        self._constant = constant if constant.any() else None
 
+    # Several calls a step: what is zero is left out
     def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
+        ds = self.ds
         self._q[:] = q
         self._v[:] = v
-        self.ds.computeFExt(t)
-        np.subtract(self.ds.fExt(), self._constant, out=out)
+        ds.computeFExt(t)
+        out[:] = ds._fExt
+        if self._constant is not None:
+            out -= self._constant
         if self._linear:
             out += self._jacobians[0] @ q
             out += self._jacobians[1] @ v
 
     def force_jacobians(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
-        out[:] = self._jacobians
+        if self._linear:
+            out[:] = self._jacobians
