@@ -375,6 +375,17 @@ def test_what_is_not_there_says_so(call, message):
         call()
 
 
+def test_what_changes_nothing_is_taken():
+    simulation, _, _ = ball()
+    contact = sk.FrictionContact(2)
+    contact.setMaxSize(1000)
+    contact.setNumericsVerboseMode(False)
+    simulation.setNewtonMaxIteration(20)
+    simulation.insertNonSmoothProblem(contact)
+    simulation.run()
+    assert simulation.trajectory.provenance.solver == "auto"
+
+
 def test_misuse_says_what_was_expected():
     with pytest.raises(
         TypeError, match="takes a law and a relation, got LagrangianLinearTIR, NewtonImpactNSL"

@@ -16,7 +16,7 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
 
 # Not moving_floor.py and rod.py: from Python, Siconos 4.4 has no hDot() to write into, and no Equality.
 @pytest.mark.parametrize(
-    "name", ["bouncing_ball", "driven_ball", "friction_oscillator", "pendulum", "two_balls"]
+    "name", ["bouncing_ball", "driven_ball", "friction_oscillator", "pendulum", "two_balls", "problems"]
 )
 def test_a_script_gives_the_numbers_of_siconos(name, tmp_path):
     script = SCRIPTS / f"{name}.py"

@@ -1,10 +1,23 @@
-"""Names of solvers, ids and options as scripts use them."""
+"""Problems, drivers, ids and options as scripts of `siconos.numerics` use them, over `saltus.numerics`."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from saltus import numerics as native
+from saltus.numerics import LCP
 from saltus.siconos.arrays import Named, NotThere
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from saltus.typing import FloatArray, Matrix
+
+__all__ = ["LCP", "MLCP", "FrictionContactProblem", "SolverOptions"]
 
 SICONOS_IPARAM_MAX_ITER, SICONOS_IPARAM_ITER_DONE = 0, 1
 SICONOS_DPARAM_TOL, SICONOS_DPARAM_RESIDU = 0, 1
@@ -32,11 +45,83 @@ SOLVERS = {
 }
 _METHODS = dict(SOLVERS.values())
 
+#: Drivers: Siconos's name and the method of Saltus, None where the options say which
+DRIVERS = {
+    "linearComplementarity_driver": None,
+    "lcp_lexicolemke": "lemke",
+    "lcp_pgs": "pgs",
+    "lcp_psor": "psor",
+    "lcp_enum": "enumeration",
+    "lcp_newton_min": "semismooth-newton",
+    "lcp_newton_FB": "fischer-burmeister",
+    "mlcp_driver": None,
+    "mlcp_pgs": "pgs",
+    "mlcp_psor": "psor",
+    "mlcp_enum": "enumeration",
+    "fc2d_driver": None,
+    "fc2d_nsgs": "nsgs",
+    "fc2d_lemke": "lemke",
+    "fc3d_driver": None,
+    "fc3d_nsgs": "nsgs",
+    "fc3d_nonsmooth_Newton_AlartCurnier": "semismooth-newton",
+    "fc3d_nonsmooth_Newton_FischerBurmeister": "damped-newton",
+}
 
-def __getattr__(name: str) -> int:
+#: Functions that are taken and change nothing, and why
+HINTS = {
+    "numerics_set_verbose": "solvers print nothing",
+    "mlcp_driver_init": "solvers size their own memory",
+    "mlcp_driver_reset": "likewise",
+}
+
+
+def __getattr__(name: str) -> int | Callable[..., int]:
     if name in SOLVERS:
         return SOLVERS[name][0]
-    raise AttributeError(f"saltus.siconos.numerics has no '{name}', of solvers it has {', '.join(SOLVERS)}")
+    if name in DRIVERS:
+        return partial(_drive, DRIVERS[name])
+    if name in HINTS:
+        return lambda *_: 0
+    raise AttributeError(
+        f"saltus.siconos.numerics has no '{name}', it has {', '.join((*__all__, *SOLVERS, *DRIVERS, *HINTS))}"
+    )
+
+
+def MLCP(n_equalities: int, M: ArrayLike | Matrix, q: ArrayLike) -> native.MLCP:
+    """A mixed linear complementarity problem, the equalities first: see `saltus.numerics.MLCP`."""
+    return native.MLCP(M, q, n_equalities)
+
+
+def FrictionContactProblem(
+    dim: int, M: ArrayLike | Matrix, q: ArrayLike, mu: ArrayLike
+) -> native.FrictionProblem:
+    """Contacts with Coulomb friction in dim = 2 or 3 dimensions: see `saltus.numerics.FrictionProblem`."""
+    return native.FrictionProblem(M, q, mu, dim)
+
+
+def _drive(
+    method: str | None, problem: native.Problem, z: FloatArray, w: FloatArray, options: SolverOptions
+) -> int:
+    """Solve w = M z + q with the problem's law, from z on.
+
+    Parameters
+    ----------
+    z : (n,) in: first guess, out: solution
+    w : (n,) out
+    options : tolerance, and the method unless the driver has one; takes iterations and residual
+
+    Returns
+    -------
+    int
+        0 if it is solved, else 1.
+    """
+    tolerance = float(options.dparam[SICONOS_DPARAM_TOL])
+    solution = problem.solve(method or options.method, tolerance, np.array(z))
+    z[:] = solution.solution
+    w[:] = problem.dense() @ z + problem.q
+    options.iparam[SICONOS_IPARAM_ITER_DONE] = solution.iterations
+    options.dparam[SICONOS_DPARAM_RESIDU] = solution.residual
+    return 0 if solution.status == "solved" else 1
 
 
 class SolverOptions(Named):
