@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import saltus.kernel as native
 import saltus.siconos.kernel as sk
-import saltus.siconos.numerics as sn
 from saltus._core import LiveState
 from saltus.siconos.script import run_script
 from saltus.siconos.simulation import Changes
@@ -314,93 +313,6 @@ def test_a_smaller_step_sums_its_impulses_up():
     impulse = fine[fine.contacts[0]].impulse[1:, 0].reshape(-1, 5).sum(axis=1)
     np.testing.assert_allclose(rows[1:, 4], impulse, rtol=1e-14)
     np.testing.assert_allclose(rows[1:, 3], impulse, rtol=1e-14)
-
-
-def test_vectors_and_matrices(tmp_path):
-    vector = sk.SiconosVector(3)
-    vector.setValue(1, 2.5)
-    vector[2] = -4.0
-    assert (vector.getValue(1), vector.size(), len(vector), vector.normInf()) == (2.5, 3, 3, 4.0)
-    np.testing.assert_array_equal(sk.getVector(vector), [0.0, 2.5, -4.0])
-    vector.fill(3.0)
-    assert vector.norm2() == pytest.approx(27**0.5)
-    (tmp_path / "m.dat").write_text("2 3\n1 2 3\n4 5 6.5\n")
-    matrix = sk.SimpleMatrix(str(tmp_path / "m.dat"))
-    assert (matrix.size(0), matrix.size(1), matrix.getValue(1, 2)) == (2, 3, 6.5)
-    np.testing.assert_array_equal(sk.getMatrix(matrix), [[1, 2, 3], [4, 5, 6.5]])
-    for storage in (sk.DENSE, sk.SPARSE):
-        square = sk.SimpleMatrix(2, 2, storage)
-        square.eye()
-        square[0, 1] = 7.0
-        np.testing.assert_array_equal(np.asarray(square), [[1, 7], [0, 1]])
-    (tmp_path / "m.dat").write_text("2 2\n1 2 3\n")
-    with pytest.raises(ValueError, match="got 3 numbers for 2 x 2"):
-        sk.SimpleMatrix(tmp_path / "m.dat")
-
-
-def test_every_integrator_of_the_registry_is_there():
-    for entry in native.integrators():
-        assert getattr(sk, entry["name"])().name == entry["name"]
-    assert sk.D1MinusLinearOSI().name == "DMinusAccelerationOSI"
-
-
-def test_every_solver_of_the_table_is_one_of_saltus():
-    from saltus.numerics import solvers
-
-    for name, (number, method) in sn.SOLVERS.items():
-        assert getattr(sn, name) == getattr(sk, name) == number
-        assert method in solvers()
-    contact = sk.FrictionContact(2, sn.SICONOS_FRICTION_2D_LEMKE)
-    assert contact.method == "lemke"
-    contact.setSolverId(sn.SICONOS_FRICTION_2D_NSGS)
-    assert contact.method == "nsgs"
-    assert sk.LCP().method == "auto"
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: sk.FirstOrderLinearTIDS([1.0], [[1.0]]), "first-order systems are not there"),
-        (lambda: sk.EventDriven(), "event-driven simulation is not there"),
-        (lambda: sk.LagrangianScleronomousR("Plug:h", "Plug:G"), "plugins are not there"),
-        (lambda: sk.LCP(9999), "solver 9999 is not there, there are SICONOS_MLCP_PGS = 100"),
-        (lambda: ball()[1].setComputeFExtFunction("Plug", "f"), "setComputeFExtFunction is not there"),
-        (lambda: ball()[1].p(2), r"p\(1\), the impulse, is there"),
-        (lambda: ball()[2].y(2), "are there, got y"),
-        (lambda: ball()[0].setNewtonTolerance(1e-15), "ends at 1e-12"),
-    ],
-)
-def test_what_is_not_there_says_so(call, message):
-    with pytest.raises(NotImplementedError, match=message):
-        call()
-
-
-def test_what_changes_nothing_is_taken():
-    simulation, _, _ = ball()
-    contact = sk.FrictionContact(2)
-    contact.setMaxSize(1000)
-    contact.setNumericsVerboseMode(False)
-    simulation.setNewtonMaxIteration(20)
-    simulation.insertNonSmoothProblem(contact)
-    simulation.run()
-    assert simulation.trajectory.provenance.solver == "auto"
-
-
-def test_misuse_says_what_was_expected():
-    with pytest.raises(
-        TypeError, match="takes a law and a relation, got LagrangianLinearTIR, NewtonImpactNSL"
-    ):
-        sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), sk.NewtonImpactNSL(0.5))
-    model = sk.NonSmoothDynamicalSystem(0, 1)
-    ds = sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]])
-    floor = sk.Interaction(sk.NewtonImpactNSL(0.5), sk.LagrangianLinearTIR([[1.0]]))
-    with pytest.raises(ValueError, match="expected a system that is inserted"):
-        model.link(floor, ds)
-    model.insertDynamicalSystem(ds)
-    with pytest.raises(ValueError, match="expected an integrator"):
-        sk.TimeStepping(model, sk.TimeDiscretisation(0, 0.1)).computeOneStep()
-    with pytest.raises(AttributeError, match="has no 'Nonsense', it has"):
-        sk.Nonsense  # noqa: B018
 
 
 def test_a_script_leaves_no_trace(tmp_path):
