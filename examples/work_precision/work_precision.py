@@ -23,7 +23,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import saltus.kernel as sk
 from saltus import _core, plot, registry
-from saltus.examples.disc_pile.disc_pile import build as disc_pile
 from saltus.examples.elastic_bar.elastic_bar import build as elastic_bar
 from saltus.examples.heavy_top.heavy_top import build as heavy_top
 from saltus.examples.rocking_block.rocking_block import build as rocking_block
@@ -96,14 +95,6 @@ STUDIES = (
         tolerances=(1e-7, 1e-9, 1e-10),
         event_driven=(),
         reference="AdaptiveHalfExplicitOSI(rtol=1e-12, atol=1e-12)",
-    ),
-    Study(
-        "16 discs that fall into a container and lie still, 1.5 s",
-        disc_pile,
-        1.5,
-        (5e-3, 1e-3, 2e-4),
-        event_driven=(),
-        reference="AdaptiveHalfExplicitOSI(rtol=1e-10, atol=1e-10)",
     ),
 )
 

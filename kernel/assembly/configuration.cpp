@@ -71,7 +71,6 @@ void Configuration::move_without_gaps(const Vec& q, double t) {
 
 void Configuration::move_to(const Vec& q, double t) {
   move_without_gaps(q, t);
-  placed_ = true;
   gaps_.setZero();
   closed_count_ = 0;
   for (int k = 0; k < static_cast<int>(layout_->contacts.size()); ++k) {
@@ -83,6 +82,7 @@ void Configuration::move_to(const Vec& q, double t) {
       contact.relation->gap(local_position(contact), gap);
     if (closed(k)) closed_[closed_count_++] = k;
   }
+  placed_ = true;  // no gap has thrown
 }
 
 bool Configuration::factorise() {

@@ -13,8 +13,7 @@ namespace {
 constexpr double least_rtol = 1e-13;
 constexpr double same_time = 1e-9;      // of a step of the simulation
 constexpr double smallest_part = 1e-6;  // of a step of the simulation, unless a smallest step is given
-constexpr double largest_part = 10.0;   // likewise: forces that come and go are not stepped over
-constexpr long most_attempts = 10'000'000;
+constexpr long most_attempts = 10'000'000, most_shortest_steps = 100'000;  // in a step of the simulation
 
 constexpr double safety = 0.9, least_factor = 0.1, most_factor = 5.0;
 constexpr double exponent = -1.0 / 3.0;  // the error of a step is of third order
@@ -25,6 +24,7 @@ constexpr double never = -std::numeric_limits<double>::infinity();
 // A contact bounces no more if its flight, in smallest steps, was shorter than the first of these; or than
 // the second where a step was as short as it may be: several contacts that accumulate together take turns.
 constexpr double plastic_flight = 1.5, plastic_flight_in_turns = 1e3;
+constexpr double most_in_turns = 10.0;  // speed of opening, in that of the impact that opens
 
 }  // namespace
 
@@ -70,9 +70,9 @@ void AdaptiveHalfExplicit::prepare(const NonSmoothDynamicalSystem& model, Contac
 StepReport AdaptiveHalfExplicit::step(double dt, State& state, Reactions& reactions) {
   StepReport report;
   smallest_ = control_.minimum_step > 0.0 ? control_.minimum_step : smallest_part * dt;
-  largest_ = std::max(largest_part * dt, smallest_);
+  largest_ = std::max(dt, smallest_);  // forces that come and go are not stepped over
   sums_.set_zero(layout_->rows);
-  attempts_ = 0;
+  attempts_ = shortest_steps_ = 0;
   const bool goes_on = continues(state.t, state, dt);
   valid_ = false;  // until this step is done: whatever happens, the next begins from its state
   if (!goes_on && !restart(state, reactions, dt, report)) return report;
@@ -133,12 +133,12 @@ bool AdaptiveHalfExplicit::take_inner_steps(double from, double to, StepReport& 
   while (true) {
     if (ahead_) {
       const double until = std::min(to, inner_.end());
-      if (first) inner_.lambda_at(*layout_, done, sums_.lambda_plus);
+      if (first) inner_.lambda_at(done, sums_.lambda_plus);
       first = false;
       inner_.add_impulse(done, until, sums_.force);
       report.work_forces += inner_.work_forces(done, until);
       report.work_lambda += inner_.work_lambda(done, until);
-      inner_.lambda_at(*layout_, until, sums_.lambda_minus);
+      inner_.lambda_at(until, sums_.lambda_minus);
       done = until;
       if (inner_.end() > to + close_by) return true;
       take_impact(report, sums_);
@@ -226,7 +226,7 @@ bool AdaptiveHalfExplicit::meet_tolerance(double& h, StepReport& report) {
       return true;
     }
     if (h <= smallest_) return false;  // with the status of the attempt
-    if (attempts_ > most_attempts) {
+    if (attempts_ > most_attempts || shortest_steps_ > most_shortest_steps) {
       report.status = StepStatus::too_many_steps;
       return false;
     }
@@ -274,6 +274,7 @@ bool AdaptiveHalfExplicit::accept(double h, StepReport& report) {
     return false;
   }
   trial_->describe(inner_);
+  inner_.keep_laws(*layout_);
   inner_.t = t_;
   inner_.dt = h;
   warm_.lambda_plus = trial_->first_lambda();
@@ -282,6 +283,7 @@ bool AdaptiveHalfExplicit::accept(double h, StepReport& report) {
   q_ = end.q();
   v_ = trial_->v_end();
   ++report.accepted_steps;
+  if (h <= smallest_) ++shortest_steps_;
   if (impulsive) {
     if (!impact(end, v_, report)) return false;
   } else {
@@ -330,6 +332,7 @@ bool AdaptiveHalfExplicit::impact(Configuration& at, Vec& v, StepReport& report)
 void AdaptiveHalfExplicit::choose_rebound(Configuration& at, const Vec& v) {
   rebound_ = gamma_;
   impact_.captures = 0;
+  fastest_ = 0.0;
   for (int k : meeting_) {
     const auto& contact = layout_->contacts[k];
     if (contact.law->bilateral) continue;
@@ -344,19 +347,17 @@ void AdaptiveHalfExplicit::choose_rebound(Configuration& at, const Vec& v) {
     const bool short_flight = flight < (shortest ? plastic_flight_in_turns : plastic_flight) * smallest_;
     const bool low = std::isfinite(flight) && 0.25 * speed * flight <= 10.0 * at.gap_tolerance(k, 0);
     last_impact_[k] = t_;
+    fastest_ = std::max(fastest_, speed);
     if (!short_flight && !low && speed >= control_.velocity_tolerance) continue;
     ++impact_.captures;
     for (int i = 0; i < contact.rows; ++i) rebound_[contact.row + i] = 0.0;
   }
 }
 
-// Contacts of a body that rocks to rest open each other in turns, at last for less than the smallest steps.
-bool AdaptiveHalfExplicit::falls_back(int k, double speed, Configuration& at) {
-  const double soon = plastic_flight_in_turns * smallest_;
-  if (inner_.dt > smallest_ || t_ - last_impact_[k] > soon) return false;
-  double* acceleration = rebound_.data() + layout_->contacts[k].row;
-  at.velocity_of_work(k, trial_->last_acceleration(), acceleration);
-  return 2.0 * speed < -*acceleration * soon;
+// Contacts that accumulate together open each other in turns, at last for less than the smallest steps.
+bool AdaptiveHalfExplicit::takes_turns(int k, double speed) const {
+  return inner_.dt <= smallest_ && t_ - last_impact_[k] <= plastic_flight_in_turns * smallest_ &&
+         speed <= most_in_turns * fastest_;
 }
 
 // Contacts that the impact does not separate, or that rest at the start, are closed from now on.
@@ -367,7 +368,7 @@ void AdaptiveHalfExplicit::close(Configuration& at, const Vec& before, const Vec
     const auto& contact = layout_->contacts[k];
     at.relative_velocity(k, after, gamma_.data() + contact.row);
     const double zero = at.velocity_tolerance(k, before) + at.velocity_tolerance(k, after);
-    if (!contact.law->bilateral && gamma_[contact.row] > zero && !falls_back(k, gamma_[contact.row], at))
+    if (!contact.law->bilateral && gamma_[contact.row] > zero && !takes_turns(k, gamma_[contact.row]))
       continue;
     closed_.push_back(k);
     is_closed_[k] = 1;

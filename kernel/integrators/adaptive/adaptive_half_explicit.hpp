@@ -50,7 +50,7 @@ class AdaptiveHalfExplicit final : public OneStepIntegrator {
   bool leaves(int contact, double h);
   bool impact(Configuration& at, Vec& v, StepReport& report);
   void choose_rebound(Configuration& at, const Vec& v);
-  bool falls_back(int contact, double speed, Configuration& at);
+  bool takes_turns(int contact, double speed) const;
   void close(Configuration& at, const Vec& v_before, const Vec& v_after);
   void take_impact(StepReport& report, Reactions& sums);
   bool take_inner_steps(double from, double to, StepReport& report);
@@ -73,7 +73,8 @@ class AdaptiveHalfExplicit final : public OneStepIntegrator {
   Vec level_;                             // gaps at which closed contacts are held (gaps) [m]
   double h_ = 0.0;                        // length of the next inner step [s]
   double smallest_ = 0.0, largest_ = 0.0;
-  long attempts_ = 0;  // within a step of the simulation
+  long attempts_ = 0, shortest_steps_ = 0;  // within a step of the simulation
+  double fastest_ = 0.0;                    // approach in the last impact [m/s]
   Reactions warm_;
 
   InnerStep inner_;                        // the last one

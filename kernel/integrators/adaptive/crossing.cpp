@@ -33,8 +33,6 @@ std::pair<double, double> turning_points(const Cubic& p) {
 
 }  // namespace
 
-double GapCurve::at(double x) const { return g0 + Cubic(*this).change(x / dt); }
-
 std::optional<double> first_fall(const GapCurve& curve, double level) {
   const Cubic p(curve);
   const double depth = level - curve.g0;  // at most 0

@@ -8,9 +8,6 @@ struct GapCurve {
   double g0, rate0;  ///< at the start [m], [m/s]
   double g1, rate1;  ///< at the end
   double dt;         ///< length of the step [s]
-
-  /// g at x in [0, dt] after the start [m]
-  double at(double x) const;
 };
 
 /// Where the curve first falls through a level.

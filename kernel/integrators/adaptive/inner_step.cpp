@@ -1,8 +1,15 @@
 #include "saltus/kernel/integrators/adaptive/inner_step.hpp"
 
+#include <cmath>
+
 #include "saltus/numerics/pool.hpp"
 
 namespace saltus {
+namespace {
+
+constexpr double rounding = 1e-9;  // of friction that slides
+
+}  // namespace
 
 void InnerStep::reserve(const Layout& layout) {
   for (Vec* x : {&q0, &rate0, &q1, &rate1}) x->setZero(layout.coordinates);
@@ -20,14 +27,32 @@ void InnerStep::motion_at(double time, Vec& q, Vec& v) const {
     v[i] = r * (1.0 - 3.0 * s) * v0[i] + s * (3.0 * s - 2.0) * v1[i] + 6.0 * s * r * mean_v[i];
 }
 
-void InnerStep::lambda_at(const Layout& layout, double time, Vec& all) const {
+void InnerStep::keep_laws(const Layout& layout) {
+  const auto at = [&](double part, int row) {
+    const double along = (part - place[0]) / (place[1] - place[0]);
+    return (1.0 - along) * lambda[0][row] + along * lambda[1][row];
+  };
+  for (const auto& contact : layout.contacts) {
+    if (contact.law->bilateral) continue;
+    const auto* law = std::get_if<Coulomb>(&contact.law->sets[0]);
+    const auto keeps = [&](double part) {
+      const double normal = at(part, contact.row);
+      if (!law) return normal >= 0.0;
+      const double tangential =
+          std::hypot(at(part, contact.row + 1), law->dim == 3 ? at(part, contact.row + 2) : 0.0);
+      return tangential <= law->mu * normal * (1.0 + rounding);
+    };
+    if (keeps(0.0) && keeps(1.0)) continue;
+    for (int row = contact.row; row < contact.row + contact.rows; ++row)
+      lambda[0][row] = lambda[1][row] = at(0.5, row);
+  }
+}
+
+void InnerStep::lambda_at(double time, Vec& all) const {
   const double along = ((time - t) / dt - place[0]) / (place[1] - place[0]);
   all = lambda[0];
   all *= 1.0 - along;
   add_scaled(along, lambda[1], all);
-  for (const auto& contact : layout.contacts)
-    if (!contact.law->bilateral && !(all[contact.row] > 0.0))
-      for (int i = 0; i < contact.rows; ++i) all[contact.row + i] = 0.0;
 }
 
 // A straight line's mean is its value in the middle.

@@ -26,8 +26,10 @@ struct InnerStep {
   double end() const { return t + dt; }
   /// q and v at a time in the step. @param[out] q (coordinates) @param[out] v (n)
   void motion_at(double time, Vec& q, Vec& v) const;
-  /// λ at a time in the step; contacts on which the line pulls carry nothing there. @param[out] lambda (rows)
-  void lambda_at(const Layout& layout, double time, Vec& lambda) const;
+  /// Makes λ of contacts whose line does not keep their law at both ends constant, the mean of the step.
+  void keep_laws(const Layout& layout);
+  /// λ at a time in the step. @param[out] lambda (rows) [N]
+  void lambda_at(double time, Vec& lambda) const;
   /// sum <- sum + ∫λ dt over a part of the step (rows) [N s]
   void add_impulse(double from, double to, Vec& sum) const;
   /// Works over a part of the step [J]

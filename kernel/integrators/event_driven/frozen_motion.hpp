@@ -7,7 +7,7 @@
 
 namespace saltus {
 
-/// FrozenMotion with frozen modes, an ordinary differential equation:
+/// The motion with frozen modes, an ordinary differential equation:
 ///   q̇ = Y(q) v,   M v̇ = h + W λ,   with γ̇ = 0 in the rows that the modes hold.
 /// y is (q, v, ∫λ dt of all rows, work of h and of ½ vᵀṀv, work of λ).
 class FrozenMotion final : public Ode {

@@ -31,7 +31,7 @@ from saltus.conformance.models import (
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
-STEPS = 50  # of the simulation in a run
+STEPS = 4  # of the simulation in a run: inner steps are not longer
 TOLERANCES = np.array([1e-5, 1e-7, 1e-9])  # rtol and atol
 MOST = 100.0  # tolerances that an error may be
 ROUNDING = 1e-11  # errors below say nothing of the tolerance
