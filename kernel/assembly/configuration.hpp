@@ -23,9 +23,7 @@ class Configuration final : public BlockInverse {
   void move_without_gaps(const Vec& q, double t);
   const Vec& q() const { return q_; }
   /// Is this where it is, so that nothing has to be evaluated again?
-  bool is_at(const Vec& q, double t) const {
-    return placed_ && (!layout_->rheonomous || t == t_) && q == q_;
-  }
+  bool is_at(const Vec& q, double t) const { return placed_ && (!layout_->rheonomous || t == t_) && q == q_; }
 
   /// Evaluates and factorises M(q). @return false if M is not positive definite or not finite
   bool factorise();

@@ -20,7 +20,8 @@ class PositionProjection {
   /// @param at       moved to the new position
   /// @param inverse  of M, which is not taken anew while the position moves
   /// @param t        time of the geometry [s]
-  /// @param level    where gaps of unilateral contacts are to be (gaps) [m], pulled from above and from below:
+  /// @param level    where gaps of unilateral contacts are to be (gaps) [m], pulled from above and from
+  /// below:
   ///                 for schemes whose closed contacts stay closed at any gap. Without it only open ones are
   void pull(const std::vector<int>& held, Configuration& at, double t, const BlockInverse& inverse,
             const Vec* level = nullptr);

@@ -262,9 +262,9 @@ TEST(Adaptive, AnApproachingContactAtTheStartIsStruckByTheLaw) {
 
 TEST(Adaptive, ABlockThatRocksToRestDoesNotStall) {
   const double b = 0.1, h = 0.4, I = (b * b + h * h) / 3.0, tilt = 0.05;
-  auto block = std::make_shared<LagrangianLinearTIDS>(vec({0.0, h + b * tilt, tilt}), Vec::Zero(3),
-                                                      Matrix(vec({1.0, 1.0, I}).asDiagonal()),
-                                                      LagrangianLinearTIDS::Terms{.external_force = vec({0.0, -gravity, 0.0})});
+  auto block = std::make_shared<LagrangianLinearTIDS>(
+      vec({0.0, h + b * tilt, tilt}), Vec::Zero(3), Matrix(vec({1.0, 1.0, I}).asDiagonal()),
+      LagrangianLinearTIDS::Terms{.external_force = vec({0.0, -gravity, 0.0})});
   NonSmoothDynamicalSystem model({block});
   const NonSmoothLaw law = NewtonImpactFrictionNSL(0.0, 0.0, 10.0, 2);
   for (const double side : {-1.0, 1.0})
