@@ -219,3 +219,89 @@ def test_studies_of_other_motions():
         met = [row for row in rows if row.integrator in work_precision.ADAPTIVE]
         for row in met:
             assert row.error < 100 * float(row.setting.rpartition("=")[2])
+
+
+# ---- What once went wrong
+
+
+class Switched(sk.LagrangianDS):
+    """A force of 1 N and of −2 N in turns of 1/30 s."""
+
+    def mass(self, q, out):
+        out[0, 0] = 1.0
+
+    def forces(self, t, q, v, out):
+        out[0] = 1.0 if int(30 * t) % 2 == 0 else -2.0
+
+
+@pytest.mark.parametrize("dt", [0.03, 0.01, 0.001])
+def test_forces_that_switch_are_not_stepped_over(dt):
+    run = sk.TimeStepping(sk.NonSmoothDynamicalSystem([Switched([0.0], [0.0])]), adaptive(1e-6), dt).run(0.96)
+    whole, rest = divmod(round(30 * run.t[-1] * 1e6), 2_000_000)
+    left = rest / 1e6
+    exact = (-whole + min(left, 1.0) - 2 * max(left - 1.0, 0.0)) / 30
+    assert run.v[-1, 0] == pytest.approx(exact, abs=1e-4)
+
+
+@pytest.mark.parametrize("ratio", [10.0, 1000.0])
+def test_a_stack_of_masses_comes_to_rest_without_stall(ratio):
+    """Contacts that accumulate together open each other in turns."""
+    masses = [
+        sk.LagrangianLinearTIDS([0.11 * k + 0.01], [0.0], [[ratio**k]], external_force=[-GRAVITY * ratio**k])
+        for k in range(3)
+    ]
+    system = sk.NonSmoothDynamicalSystem(masses)
+    law = sk.NewtonImpactNSL(0.3)
+    system.link(sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), law, name="floor"), masses[0])
+    for below, above in itertools.pairwise(masses):
+        between = sk.LagrangianLinearTIR([[-1.0, 1.0]], [-0.1])
+        system.link(sk.Interaction(between, law), below, above)
+    run = sk.TimeStepping(system, adaptive(1e-6), 1e-3).run(0.5)
+    assert run.accepted_steps.sum() < 5000
+    assert run.q[-1] == pytest.approx([0.0, 0.1, 0.2], abs=1e-8)
+
+
+class Cracking(sk.LagrangianScleronomousR):
+    """A floor whose gap raises once, at the tenth call and the next ones."""
+
+    def __init__(self):
+        super().__init__(size=1)
+        self.calls = 0
+
+    def gap(self, q, out):
+        self.calls += 1
+        if 30 <= self.calls < 34:
+            raise ArithmeticError("cracked")
+        out[0] = q[0]
+
+    def jacobian(self, q, out):
+        out[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(
+    "scheme", [sk.AdaptiveHalfExplicitOSI(), sk.EventDrivenOSI(), sk.HalfExplicitTrapezoidalOSI()], ids=str
+)
+def test_a_run_goes_on_after_a_gap_that_raised(scheme):
+    ball = sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]], external_force=[-GRAVITY])
+    system = sk.NonSmoothDynamicalSystem([ball])
+    system.link(sk.Interaction(Cracking(), sk.NewtonImpactNSL(0.5), name="floor"), ball)
+    simulation = sk.TimeStepping(system, scheme, 1e-2)
+    raised = 0
+    while simulation.t < 0.395:
+        try:
+            simulation.step()
+        except ArithmeticError:
+            raised += 1
+    assert raised > 0
+    assert simulation.q[0] == pytest.approx(1.0 - GRAVITY * simulation.t**2 / 2, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["third-order", "trapezoidal"])
+def test_mean_forces_keep_their_laws_and_the_momentum(method):
+    mu = 0.01
+    system = crank(0.4, 0.0, mu, [0.0] * 3, [150.0, -75.0, 0.0])
+    run = sk.TimeStepping(system, adaptive(1e-6, method=method), 1e-5).run(0.05)
+    for name in run.contacts:
+        force = run[name].force
+        assert force[:, 0].min() > -1e-9
+        assert (np.abs(force[:, 1]) - mu * force[:, 0]).max() < 1e-8
