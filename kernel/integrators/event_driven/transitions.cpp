@@ -18,7 +18,7 @@ constexpr int most_passes = 10;             // until modes agree with their forc
 constexpr int most_slow_impacts = 20;       // of a contact in a step
 constexpr int shrinking_intervals = 3;      // between impacts of a contact that may accumulate
 constexpr double shortest_interval = 1e-6;  // of them, in parts of a step
-constexpr double lowest_rebound = 10.0;     // in roundings of the gap
+constexpr double lowest_rebound = 100.0;    // in what counts as no gap
 
 }  // namespace
 
@@ -224,9 +224,10 @@ bool EventDriven::accumulates(int k, double rebound) {
   impacts.shrinking = shrinks ? impacts.shrinking + 1 : 0;
   impacts.interval = interval;
   impacts.last = now_.t;
-  const double rounding = motion_->here().gap_tolerance(k, 0);
-  return impacts.shrinking >= shrinking_intervals &&
-         (interval < shortest_interval * dt_ || interval * rebound < lowest_rebound * rounding);
+  // Flights so low that their impacts cannot be told apart no longer get shorter.
+  if (impacts.number > shrinking_intervals && interval * rebound < lowest_rebound * noise_[2 * k])
+    return true;
+  return impacts.shrinking >= shrinking_intervals && interval < shortest_interval * dt_;
 }
 
 // The contact problem of accelerations: which closed contacts open, and which of those without tangential
