@@ -121,7 +121,32 @@ ValueError
              "The model that a shared library composes, \"library:function\".");
 }
 
+// Read when it is asked for: copies that later steps do not change
+void bind_event(py::module_& module) {
+  const char* doc =
+      "What happened at a time within a step: an impact, or a contact that opens, sticks or slips. Arrays "
+      "are\n"
+      "copies: (coordinates,) q, (n,) of the systems, (gaps,) and (rows,) of the contacts.";
+  py::class_<LocatedEvent> event(module, "Event", doc);
+  event.def_readonly("t", &LocatedEvent::t, "[s]");
+  const auto show = [&](const char* name, Vec LocatedEvent::* member, const char* what) {
+    event.def_property_readonly(
+        name, [member](const LocatedEvent& self) { return to_array(self.*member); }, what);
+  };
+  show("q", &LocatedEvent::q, "position");
+  show("v_before", &LocatedEvent::v_before, "v⁻");
+  show("v", &LocatedEvent::v, "v⁺");
+  show("gaps", &LocatedEvent::gaps, "[m]");
+  show("velocities_before", &LocatedEvent::velocities_before, "γ⁻ [m/s]");
+  show("velocities", &LocatedEvent::velocities, "γ⁺ [m/s]");
+  show("impulse", &LocatedEvent::impulse, "Λ [N s]");
+  show("generalised_impulse", &LocatedEvent::generalised_impulse, "(n,) W Λ");
+  show("force", &LocatedEvent::force, "λ⁺, from then on [N]");
+  show("generalised_force", &LocatedEvent::generalised_force, "(n,) W λ⁺");
+}
+
 void bind_simulation(py::module_& module) {
+  bind_event(module);
   py::classh<Observer>(module, "Observer", "Looks at the steps of a run.");
   py::classh<TimeStepping>(module, "TimeSteppingBase")
       .def(py::init([](const NonSmoothDynamicalSystem& system, const OneStepIntegrator& integrator,
@@ -158,6 +183,13 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("time_step", &TimeStepping::time_step)
       .def_property_readonly("steps", &TimeStepping::steps)
       .def_property_readonly("report", [](const TimeStepping& self) { return self.report(); })
+      .def_property_readonly(
+          "events",
+          [](const TimeStepping& self) {
+            const auto events = self.integrator().events();
+            return std::vector<LocatedEvent>(events.begin(), events.end());
+          },
+          "What the integrator located in the last step, in the order of time: a list of Event")
       .def_property_readonly("t", [](const TimeStepping& self) { return self.state().t; })
       .def_property_readonly("q", [](const TimeStepping& self) { return to_array(self.state().q); })
       .def_property_readonly("v", [](const TimeStepping& self) { return to_array(self.state().v); });

@@ -212,6 +212,11 @@ void Configuration::velocity_of_work(int contact, const Vec& v, double* gamma) {
   }
 }
 
+void Configuration::add_forces(int contact, const double* lambda, Vec& x) {
+  for (int i = 0; i < layout_->contacts[contact].rows; ++i)
+    for_jacobian(contact, i, [&](double entry, int freedom) { x[freedom] += entry * lambda[i]; });
+}
+
 double Configuration::velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt) {
   double size = 0.0;
   const auto& slot = layout_->contacts[contact];

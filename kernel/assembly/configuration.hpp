@@ -73,6 +73,8 @@ class Configuration final : public BlockInverse {
   void relative_velocity(int contact, const Vec& v, double* gamma);
   /// Wᵀ v: what forces of the contact work at, where the geometry moves. @param[out] gamma (rows) [m/s]
   void velocity_of_work(int contact, const Vec& v, double* gamma);
+  /// x <- x + W λ of one contact. @param lambda  (rows). @param[in,out] x (n)
+  void add_forces(int contact, const double* lambda, Vec& x);
   /// Normal velocities below this are zero to the tolerance of the contact solvers, when v was computed from
   /// terms of size |v| + Δt |a| [m/s]
   double velocity_tolerance(int contact, const Vec& v, const Vec& a, double dt);

@@ -19,9 +19,7 @@ std::string_view to_string(StepStatus status) {
     case StepStatus::gap_not_finite: return "a gap is not finite";
     case StepStatus::too_many_steps: return "the steps that meet the tolerance are too many";
     case StepStatus::accumulation:
-      return "impacts follow each other within vanishing time, a larger velocity_tolerance or shorter steps "
-             "of "
-             "the simulation let them end";
+      return "impacts follow each other within vanishing time, a larger velocity_tolerance lets them end";
     case StepStatus::not_finite: break;
   }
   return "the velocities are not finite";

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,17 @@ struct StepReport {
   int captures = 0;        ///< contacts closed plastically, because their bounces have become too short
 };
 
+/// What happened at a time within a step that was located: an impact, a contact that opens, sticks or slips.
+struct LocatedEvent {
+  double t = 0.0;                     ///< [s]
+  Vec q;                              ///< (coordinates)
+  Vec v_before, v;                    ///< (n) v⁻ and v⁺
+  Vec gaps;                           ///< (gaps)
+  Vec velocities_before, velocities;  ///< (rows) γ⁻ and γ⁺
+  Vec impulse, generalised_impulse;   ///< (rows) Λ and (n) WΛ [N s]
+  Vec force, generalised_force;       ///< (rows) λ⁺ and (n) Wλ⁺ [N]
+};
+
 /// A one-step scheme: takes a state from t to t + dt.
 class OneStepIntegrator {
  public:
@@ -76,6 +88,8 @@ class OneStepIntegrator {
   /// is not ok, state and reactions are as before.
   /// @param reactions  in: of the step before, or zero (warm start); out: of this one
   virtual StepReport step(double dt, State& state, Reactions& reactions) = 0;
+  /// The events of the last step in the order of time, of a scheme that locates them.
+  virtual std::span<const LocatedEvent> events() const { return {}; }
   /// The same scheme with a workspace of its own.
   virtual std::unique_ptr<OneStepIntegrator> clone() const = 0;
 };

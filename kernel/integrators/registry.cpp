@@ -169,6 +169,12 @@ std::unique_ptr<OneStepIntegrator> make_acceleration(const Options&) {
 const SchemeOption theta_option = {
     "theta", 0.5, {}, "weight of the end of the step in forces and positions, in [0, 1]"};
 
+const SchemeOption gamma_option = {
+    "gamma",
+    0.5,
+    {},
+    "contacts that this part of the step would close, at the velocity of its start, are active; in [0, 1]"};
+
 std::vector<SchemeOption> error_control_options() {
   const ErrorControl standard;
   return {
@@ -274,11 +280,12 @@ Registry<IntegratorEntry>& table() {
            .make = make_acceleration},
           {.name = "MoreauJeanOSI",
            .summary = "Moreau-Jean scheme with the theta rule: implicit, every contact force an impulse",
-           .options = {theta_option},
+           .options = {theta_option, gamma_option},
            .properties = {.implicit = true, .order_free = 2},
            .make =
                [](const Options& options) {
-                 return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")));
+                 return std::make_unique<MoreauJean>(std::get<double>(options.at("theta")),
+                                                     std::get<double>(options.at("gamma")));
                },
            .properties_with =
                [](const Options& options) {

@@ -56,6 +56,21 @@ TEST(EventDriven, BouncesThatAccumulateAreRefusedByName) {
   }
 }
 
+TEST(EventDriven, BouncesThatAccumulateAreRefusedWhateverTheStep) {
+  for (double dt : {1e-3, 1e-4, 1e-5}) {
+    TimeStepping simulation(make_ball(1.0, 0.0, 0.5), *event_driven(), dt);
+    const double rest = std::sqrt(2.0 / gravity) * 3.0;
+    try {
+      simulation.run(2.0);
+      FAIL();
+    } catch (const SimulationError& error) {
+      EXPECT_EQ(error.report().status, StepStatus::accumulation);
+      EXPECT_LT(error.report().event_steps, 80);  // few of them too low to be told apart
+      EXPECT_NEAR(error.time(), rest, 1.1 * dt);
+    }
+  }
+}
+
 TEST(EventDriven, WithAVelocityToleranceABallRestsInTime) {
   const double rest = std::sqrt(2.0 / gravity) * 3.0, tolerance = 1e-4;
   double start = 0.0;

@@ -67,7 +67,7 @@ def test_what_is_no_model():
 
 def test_integrators_with_options():
     scheme = registry.make_integrator(" MoreauJeanOSI(theta=0.75)")
-    assert scheme.options == {"theta": 0.75}
+    assert scheme.options == {"theta": 0.75, "gamma": 0.5}
     predicted = registry.make_integrator("HalfExplicitTrapezoidalOSI(activity=predicted)")
     assert predicted.options == {
         "activity": "predicted",

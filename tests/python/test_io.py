@@ -60,7 +60,7 @@ def test_provenance_says_how_the_run_came_about(tmp_path):
     )
     back = read_hdf5(simulation.run(0.1).to_hdf5(tmp_path / "run.h5")).provenance
     assert back == simulation.trajectory.provenance
-    assert (back.integrator, back.options) == ("MoreauJeanOSI", {"theta": 0.75})
+    assert (back.integrator, back.options) == ("MoreauJeanOSI", {"theta": 0.75, "gamma": 0.5})
     assert (back.time_step, back.solver, back.record_every) == (1e-2, "lemke", 3)
     assert back.parameters == {"stiffness": 3.0, "name": "spring", "sizes": [1, 2], "nested": {"flag": True}}
     assert back.version == saltus.__version__

@@ -54,10 +54,10 @@ def test_a_picture_opens_no_window_and_arguments_arrive(tmp_path):
 
 
 def test_an_error_of_the_script_names_its_line(tmp_path):
-    (tmp_path / "broken.py").write_text("import siconos.kernel as sk\nsk.EventDriven(1, 2)\n")
+    (tmp_path / "broken.py").write_text("import siconos.kernel as sk\nsk.Hem5OSI(1, 2)\n")
     result = saltus("broken.py", cwd=tmp_path)
     assert result.returncode == 1
-    assert "broken.py, line 2: NotThere: EventDriven: event-driven simulation is not there" in result.stderr
+    assert "broken.py, line 2: NotThere: Hem5OSI: not there" in result.stderr
     assert "Traceback" not in result.stderr
     (tmp_path / "other.py").write_text("import siconos.mechanics\n")
     assert "siconos.kernel and siconos.numerics are there" in saltus("other.py", cwd=tmp_path).stderr

@@ -17,6 +17,8 @@ constexpr int samples = 4;            // parts of an inner step at whose ends ev
 constexpr int most_iterations = 200;  // to locate an event
 constexpr int most_events = 5000;     // in a step
 constexpr double resolution_in_ulps = 4.0;
+// Events of a step that there is storage for before they happen, and what all of them may take.
+constexpr int fewest_events = 4, most_stored_events = 64, stored_numbers = 200000;
 
 void require_laws(const NonSmoothDynamicalSystem& model) {
   for (const auto& link : model.links()) {
@@ -53,6 +55,8 @@ void EventDriven::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& 
   samples_.resize(samples - 1);
   for (Point* point : {&now_, &next_, &probe_, &early_}) make(*point);
   for (Point& point : samples_) make(point);
+  const int size = 4 * (layout_->n + layout_->rows) + layout_->coordinates + layout_->gaps;
+  events_.assign(std::clamp(stored_numbers / size, fewest_events, most_stored_events), storage_of_an_event());
   noise_.reserve(2 * contacts);
   change_.assign(contacts, Change::none);
   impacts_.assign(contacts, {});
@@ -72,7 +76,9 @@ StepReport EventDriven::step(double dt, State& state, Reactions& reactions) {
     return report;
   }
   touch(state);
+  record_before();
   if (!settle(report)) return report;
+  if (report.impulsive) record_after();
   lambda_plus_ = motion_->lambda();
   const double end = state.t + dt;
   while (now_.t < end) {
@@ -95,6 +101,7 @@ void EventDriven::begin(double dt, const State& state) {
   now_.y.segment(layout_->coordinates, layout_->n) = v_;
   impulse_.setZero();
   std::fill(impacts_.begin(), impacts_.end(), Impacts{});
+  number_of_events_ = 0;
 }
 
 bool EventDriven::fail(StepReport& report) const {
@@ -232,7 +239,57 @@ bool EventDriven::locate(double place, StepReport& report) {
   if (!look(now_)) return fail(report);
   mark();
   ++report.event_steps;
-  return settle(report);
+  return happen(report);
+}
+
+bool EventDriven::happen(StepReport& report) {
+  record_before();
+  if (!settle(report)) return false;
+  record_after();
+  return true;
+}
+
+LocatedEvent EventDriven::storage_of_an_event() const {
+  LocatedEvent event;
+  event.q.setZero(layout_->coordinates);
+  event.gaps.setZero(layout_->gaps);
+  for (Vec* x : {&event.v_before, &event.v, &event.generalised_impulse, &event.generalised_force})
+    x->setZero(layout_->n);
+  for (Vec* x : {&event.velocities_before, &event.velocities, &event.impulse, &event.force})
+    x->setZero(layout_->rows);
+  return event;
+}
+
+// Of the present point, with its configuration; kept only if record_after() follows
+void EventDriven::record_before() {
+  if (number_of_events_ == events_.size()) events_.push_back(storage_of_an_event());
+  LocatedEvent& event = events_[number_of_events_];
+  event.v_before = now_.y.segment(layout_->coordinates, layout_->n);
+  take_relative_velocities(event.v_before, event.velocities_before);
+  event.impulse = impulse_;
+}
+
+void EventDriven::record_after() {
+  LocatedEvent& event = events_[number_of_events_++];
+  event.t = now_.t;
+  event.q = now_.y.head(layout_->coordinates);
+  event.v = now_.y.segment(layout_->coordinates, layout_->n);
+  event.gaps = motion_->here().gaps();
+  take_relative_velocities(event.v, event.velocities);
+  event.impulse = impulse_ - event.impulse;
+  event.force = motion_->lambda();
+  event.generalised_impulse.setZero();
+  event.generalised_force.setZero();
+  for (int k = 0; k < static_cast<int>(change_.size()); ++k) {
+    const int row = layout_->contacts[k].row;
+    motion_->here().add_forces(k, event.impulse.data() + row, event.generalised_impulse);
+    motion_->here().add_forces(k, event.force.data() + row, event.generalised_force);
+  }
+}
+
+void EventDriven::take_relative_velocities(const Vec& v, Vec& gamma) {
+  for (int k = 0; k < static_cast<int>(change_.size()); ++k)
+    motion_->here().relative_velocity(k, v, gamma.data() + layout_->contacts[k].row);
 }
 
 // The earliest time at which a line through both ends is zero

@@ -19,6 +19,7 @@ class EventDriven final : public OneStepIntegrator {
   std::string name() const override { return "EventDrivenOSI"; }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
+  std::span<const LocatedEvent> events() const override { return {events_.data(), number_of_events_}; }
   std::unique_ptr<OneStepIntegrator> clone() const override {
     return std::make_unique<EventDriven>(rtol_, velocity_tolerance_);
   }
@@ -45,6 +46,11 @@ class EventDriven final : public OneStepIntegrator {
   double estimate(const Point& early, const Point& late, double weight) const;
   bool wrong(const Point& at) const;
   void interpolate(const Point& start, const Point& end, double part, Point& at) const;
+  bool happen(StepReport& report);
+  LocatedEvent storage_of_an_event() const;
+  void record_before();
+  void record_after();
+  void take_relative_velocities(const Vec& v, Vec& gamma);
   void commit(double dt, State& state, Reactions& reactions, StepReport& report);
   bool fail(StepReport& report) const;
 
@@ -77,9 +83,11 @@ class EventDriven final : public OneStepIntegrator {
   struct Impacts {  // of a contact in this step
     int number = 0;
     double last = 0.0, interval = 0.0;
-    int shrinking = 0;
+    int shrinking = 0, low = 0;  // how many intervals shrank, and flights were low, one after the other
   };
   std::vector<Impacts> impacts_;
+  std::vector<LocatedEvent> events_;  // the storage of earlier steps is used again
+  std::size_t number_of_events_ = 0;
   Vec q_, v_, gamma_, pushed_, impulse_, lambda_plus_;
   std::vector<double> zero_;      // what counts as no normal velocity, of all contacts
   double dt_ = 0.0, size_ = 0.0;  // of this step, and to be tried by the solver

@@ -231,12 +231,16 @@ double FrozenMotion::speed_of_terms(int contact, const Vec& v, double span) {
          layout_->tolerance;
 }
 
+double FrozenMotion::noise_of_gap(int contact, double t, double speed) {
+  return 10.0 * here_.gap_tolerance(contact, 0) + 4.0 * ulp * std::abs(t) * speed;
+}
+
 void FrozenMotion::measure_noise(double t, const Vec& v, double span, std::vector<double>& noise) {
   noise.assign(2 * states_.size(), 0.0);
   for (int k = 0; k < static_cast<int>(states_.size()); ++k) {
     const ContactState& state = states_[k];
     const double speed = speed_of_terms(k, v, span);
-    if (!state.closed()) noise[2 * k] = 10.0 * here_.gap_tolerance(k, 0) + 4.0 * ulp * std::abs(t) * speed;
+    if (!state.closed()) noise[2 * k] = noise_of_gap(k, t, speed);
     noise[2 * k + 1] = none_in_ulps * ulp * speed;
   }
   const ContactProblem& problem = contacts_.assembly().problem();

@@ -50,6 +50,8 @@ class FrozenMotion final : public Ode {
   /// How far measure() is wrong by rounding, at the last evaluate(), in a motion over some time.
   /// @param span  [s] @param[out] noise as there
   void measure_noise(double t, const Vec& v, double span, std::vector<double>& noise);
+  /// What counts as no gap. @param speed  of the terms of γ [m/s]
+  double noise_of_gap(int contact, double t, double speed);
   /// Sum of the sizes of what makes γ of a contact: a velocity of zero is what is left of it. [m/s]
   double speed_of_terms(int contact, const Vec& v, double span);
 

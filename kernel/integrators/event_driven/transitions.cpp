@@ -19,6 +19,7 @@ constexpr int most_slow_impacts = 20;       // of a contact in a step
 constexpr int shrinking_intervals = 3;      // between impacts of a contact that may accumulate
 constexpr double shortest_interval = 1e-6;  // of them, in parts of a step
 constexpr double lowest_rebound = 100.0;    // in what counts as no gap
+constexpr int most_low_flights = 30;        // of a contact, one after the other
 
 }  // namespace
 
@@ -225,8 +226,9 @@ bool EventDriven::accumulates(int k, double rebound) {
   impacts.interval = interval;
   impacts.last = now_.t;
   // Flights so low that their impacts cannot be told apart no longer get shorter.
-  if (impacts.number > shrinking_intervals && interval * rebound < lowest_rebound * noise_[2 * k])
-    return true;
+  const double noise = motion_->noise_of_gap(k, now_.t, motion_->speed_of_terms(k, v_, dt_));
+  impacts.low = interval * rebound < lowest_rebound * noise ? impacts.low + 1 : 0;
+  if (impacts.low >= most_low_flights) return true;
   return impacts.shrinking >= shrinking_intervals && interval < shortest_interval * dt_;
 }
 

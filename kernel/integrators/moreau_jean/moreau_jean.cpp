@@ -15,9 +15,11 @@ constexpr double newton_tolerance = 1e-12;
 
 }  // namespace
 
-MoreauJean::MoreauJean(double theta) : theta_(theta) {
+MoreauJean::MoreauJean(double theta, double gamma) : theta_(theta), gamma_(gamma) {
   if (!(theta >= 0.0 && theta <= 1.0))
     throw std::invalid_argument("theta must be in [0, 1], got " + number(theta));
+  if (!(gamma >= 0.0 && gamma <= 1.0))
+    throw std::invalid_argument("gamma must be in [0, 1], got " + number(gamma));
 }
 
 void MoreauJean::prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) {
@@ -67,7 +69,7 @@ bool MoreauJean::begin(double dt, const State& state, StepReport& report) {
     return false;
   }
   evaluate_forces(*layout_, state.t, state.q, state.v, h_);
-  if (!predict_active(*layout_, start, state.v, dt, gamma_before_, active_) || !h_.allFinite()) {
+  if (!predict_active(*layout_, start, state.v, dt, gamma_before_, active_, gamma_) || !h_.allFinite()) {
     report.status = StepStatus::not_finite;
     return false;
   }

@@ -107,6 +107,9 @@ class SiconosVector(Named):
     def __repr__(self) -> str:
         return f"SiconosVector({self.vector.tolist()})"
 
+    def __str__(self) -> str:
+        return f"[{len(self)}]({','.join(f'{x:g}' for x in self.vector)})"
+
     def getValue(self, i: int) -> float:
         return float(self.vector[i])
 
@@ -135,12 +138,13 @@ class SiconosVector(Named):
 class SimpleMatrix(Named):
     """A matrix, from its numbers of rows and columns, from numbers, or from a file that has all of these.
 
-    With the storage SPARSE only entries that are set take memory, and a system made of it stays sparse.
+    With the storage SPARSE only entries that are set take memory, and a system made of it stays sparse; nnz,
+    how many are expected, is not asked.
 
     Raises ValueError if a file says otherwise, or the numbers do not have two axes.
     """
 
-    def __init__(self, rows: Any, columns: int | None = None, storage: int = DENSE) -> None:
+    def __init__(self, rows: Any, columns: int | None = None, storage: int = DENSE, nnz: int = 0) -> None:
         if columns is not None:
             if storage not in (DENSE, SPARSE):
                 raise NotThere(f"storages of a SimpleMatrix are DENSE (1) and SPARSE (4), got {storage}")

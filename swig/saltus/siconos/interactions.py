@@ -85,6 +85,10 @@ class Relation(Named):
             raise ValueError("expected an interaction that is linked, or setJachqPtr(), before jachq()")
         return self._jachq
 
+    def C(self) -> FloatArray:
+        """(rows, n) H, as jachq()."""
+        return self.jachq()
+
     def setJachqPtr(self, H: Any) -> None:
         self._jachq = np.asarray(to_matrix(H, "H"))
 
@@ -105,10 +109,6 @@ class LagrangianLinearTIR(Relation):
         super().__init__()
         self.setJachqPtr(H)
         self._b = None if b is None else to_vector(b, "b")
-
-    def C(self) -> FloatArray:
-        """(rows, n) H."""
-        return self.jachq()
 
     def e(self) -> FloatArray | None:
         """(rows,) b."""
@@ -226,8 +226,8 @@ class Interaction(Named):
         self._number = next(_numbers)
         rows = law.size()
         gaps = rows if law.native.bilateral else 1
-        #: y(0), y(1) and lambda_(1), kept by the simulation
-        self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows)
+        #: y(0), y(1), lambda_(1) and lambda_(2), kept by the simulation
+        self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
         self._seen = tuple(read_only(array) for array in self.live)
 
     def y(self, level: int) -> FloatArray:
@@ -240,10 +240,14 @@ class Interaction(Named):
         return self._seen[level]
 
     def lambda_(self, level: int) -> FloatArray:
-        """(rows,) the impulse of the last step [N s], live; that of contact forces over the step included."""
-        if level != 1:
-            raise NotThere(f"lambda_(1), the impulse, is there, got lambda_({level})")
-        return self._seen[2]
+        """(rows,) lambda_(1) the impulse of the last step [N s], that of contact forces over it included,
+        lambda_(2) the contact force now [N], of schemes that have one; live.
+        """
+        if level not in (1, 2):
+            raise NotThere(
+                f"lambda_(1), the impulse, and lambda_(2), the force, are there, got lambda_({level})"
+            )
+        return self._seen[1 + level]
 
     def nonSmoothLaw(self) -> NonSmoothLaw:
         return self._law

@@ -12,6 +12,14 @@ from saltus import kernel as native
 from saltus.registry import IntegratorFactory
 from saltus.siconos import numerics
 from saltus.siconos.arrays import DENSE, SPARSE, NotThere, SiconosVector, SimpleMatrix, getMatrix, getVector
+from saltus.siconos.event_driven import (
+    NS_EVENT,
+    SICONOS_OSNSP_ED_IMPACT,
+    SICONOS_OSNSP_ED_SMOOTH_ACC,
+    TD_EVENT,
+    EventDriven,
+    LsodarOSI,
+)
 from saltus.siconos.interactions import (
     EqualityConditionNSL,
     Interaction,
@@ -33,9 +41,14 @@ from saltus.siconos.systems import LagrangianDS, LagrangianLinearDiagonalDS, Lag
 
 __all__ = [
     "DENSE",
+    "NS_EVENT",
+    "SICONOS_OSNSP_ED_IMPACT",
+    "SICONOS_OSNSP_ED_SMOOTH_ACC",
     "SICONOS_OSNSP_TS_VELOCITY",
     "SPARSE",
+    "TD_EVENT",
     "EqualityConditionNSL",
+    "EventDriven",
     "FrictionContact",
     "Interaction",
     "LagrangianDS",
@@ -44,6 +57,7 @@ __all__ = [
     "LagrangianLinearTIR",
     "LagrangianRheonomousR",
     "LagrangianScleronomousR",
+    "LsodarOSI",
     "NewtonImpactFrictionNSL",
     "NewtonImpactNSL",
     "NonSmoothDynamicalSystem",
@@ -86,8 +100,8 @@ NOT_THERE = {
         "first-order systems are not there, Lagrangian ones are",
     ),
     **dict.fromkeys(
-        ("EventDriven", "LsodarOSI", "NewMarkAlphaOSI", "Hem5OSI"),
-        "event-driven simulation is not there; AdaptiveHalfExplicitOSI finds impact times",
+        ("NewMarkAlphaOSI", "Hem5OSI"),
+        "not there; LsodarOSI and HalfExplicitRungeKuttaOSI(tableau='HEM5') are",
     ),
     **dict.fromkeys(
         (
@@ -114,6 +128,11 @@ NOT_THERE = {
 }
 
 
+_INTEGRATORS = [entry["name"] for entry in native.integrators()]
+_IDS = [name for name in numerics.__all__ if name.startswith("SICONOS_")]
+__all__ += [*ALIASES, *NOT_THERE, *_INTEGRATORS, *_IDS]  # what `import *` gives
+
+
 def __getattr__(name: str) -> Any:
     if name in ALIASES:
         return ALIASES[name]
@@ -129,7 +148,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *ALIASES, *(entry["name"] for entry in native.integrators())])
+    return sorted(set(__all__) - set(NOT_THERE))
 
 
 def _refusing(name: str, why: str) -> type:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from saltus import kernel as native
 from saltus._core import LiveState
@@ -78,6 +78,10 @@ class NonSmoothDynamicalSystem(Named):
         freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
         interaction.relation().link(interaction.dimension(), freedoms)
         self.links.append((interaction, ds1, ds2))
+
+    hints: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("setTitle", "setAuthor", "setDescription", "setDate", "setName"), "not asked"
+    )
 
     def t0(self) -> float:
         return self._t0
@@ -182,6 +186,9 @@ class TimeStepping(Named):
     hints = {
         "setNewtonMaxIteration": "the iteration ends at rounding, or says that it does not",
         "setNewtonOptions": "linear models are known to be linear",
+        "setWarnOnNonConvergence": "what does not converge is an error",
+        "setPrintStat": "nothing is printed",
+        "setName": "names are not asked",
         "setDisplayNewtonConvergence": "nothing is printed",
     }
 
@@ -192,6 +199,9 @@ class TimeStepping(Named):
         osi: native.OneStepIntegrator | None = None,
         osnspb: OneStepNSProblem | None = None,
     ) -> None:
+        if not isinstance(nsds, NonSmoothDynamicalSystem) or not isinstance(td, TimeDiscretisation):
+            got = f"{type(nsds).__name__}, {type(td).__name__}"
+            raise TypeError(f"expected a NonSmoothDynamicalSystem and a TimeDiscretisation, got {got}")
         self._nsds, self._td, self._osi = nsds, td, osi
         self._problem = osnspb or OneStepNSProblem()
         self._simulation: native.TimeStepping | None = None
@@ -286,15 +296,15 @@ class TimeStepping(Named):
     def computeOneStep(self) -> None:
         """Take the step to nextTime(): all live views are then of that time.
 
+        Again before nextStep(), it is the same step with the same result.
+
         Raises
         ------
         SimulationError
             If it cannot be taken.
-        RuntimeError
-            If it was taken, and nextStep() is missing.
         """
         if self._computed:
-            raise RuntimeError("expected nextStep() after computeOneStep(), got computeOneStep() again")
+            return
         simulation = self._simulation or self._start()
         for _ in range(self._substeps):
             simulation.step()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from scipy import sparse
@@ -12,6 +12,8 @@ from saltus import kernel as native
 from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vector
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
     from saltus.typing import FloatArray, Matrix
@@ -26,7 +28,99 @@ def read_only(array: FloatArray) -> FloatArray:
     return view
 
 
-class LagrangianDS(Named):
+class DynamicalSystem(Named):
+    """What mechanical systems have in common: a state, and what contacts do to it.
+
+    Parameters
+    ----------
+    q0, v0 : (coordinates,), (n,) initial position and velocity
+    """
+
+    hints: ClassVar[dict[str, str]] = {
+        "initializeNonSmoothInput": "impulses and forces of all levels are there",
+        "swapInMemory": "the simulation keeps the state that a step starts from",
+        "updatePlugins": "terms are evaluated where they are needed",
+    }
+
+    def __init__(self, q0: ArrayLike, v0: ArrayLike) -> None:
+        self._q0 = to_vector(q0, "q0").copy()
+        self._v0 = to_vector(v0, "v0").copy()
+        self._number = next(_numbers)
+        self._simulated = False
+        #: q, v, p(1) and p(2), kept by the simulation
+        self.live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0)), np.zeros(len(self._v0))
+        self._seen = tuple(read_only(array) for array in self.live)
+
+    def q(self) -> FloatArray:
+        """(coordinates,) the position now, live."""
+        return self._seen[0]
+
+    def velocity(self) -> FloatArray:
+        """(n,) the velocity now, live."""
+        return self._seen[1]
+
+    def p(self, level: int) -> FloatArray:
+        """(n,) of all interactions p(1) = WΛ, the impulse of the last step [N s], p(2) = Wλ [N] now; live."""
+        if level not in (1, 2):
+            raise NotThere(f"p(1), the impulse, and p(2), the force, are there, got p({level})")
+        return self._seen[1 + level]
+
+    def q0(self) -> FloatArray:
+        return read_only(self._q0)
+
+    def velocity0(self) -> FloatArray:
+        return read_only(self._v0)
+
+    def setQ(self, q: ArrayLike) -> None:
+        """The position to start from. Raises NotImplementedError once the simulation is made."""
+        self._take(0, q)
+
+    def setVelocity(self, v: ArrayLike) -> None:
+        """The velocity to start from. Raises NotImplementedError once the simulation is made."""
+        self._take(1, v)
+
+    def resetToInitialState(self) -> None:
+        """Back to q0 and v0. Raises NotImplementedError once the simulation is made."""
+        self._take(0, self._q0)
+        self._take(1, self._v0)
+
+    def _take(self, index: int, values: ArrayLike) -> None:
+        if self._simulated:
+            raise NotThere("the state can be set until the simulation is made, its first step does that")
+        array = to_vector(values, "the state")
+        if array.shape != self.live[index].shape:
+            raise ValueError(f"expected {len(self.live[index])} numbers, got {len(array)}")
+        self.live[index][:] = array
+
+    def resetNonSmoothPart(self, level: int) -> None:
+        """p(level) becomes zero, until the next step."""
+        self.p(level)
+        self.live[1 + level][:] = 0.0
+
+    def resetAllNonSmoothParts(self) -> None:
+        """All p(level) become zero, until the next step."""
+        self.resetNonSmoothPart(1)
+        self.resetNonSmoothPart(2)
+
+    def dimension(self) -> int:
+        """Number of freedoms."""
+        return len(self._v0)
+
+    def number(self) -> int:
+        """Of all systems that were ever made."""
+        return self._number
+
+    def display(self) -> None:
+        """Print what it is."""
+        q, v, p, force = self.live
+        print(f"{type(self).__name__} {self._number}: q = {q}, v = {v}, p(1) = {p}, p(2) = {force}")
+
+    def native(self) -> Any:
+        """The system of Saltus."""
+        raise NotImplementedError
+
+
+class LagrangianDS(DynamicalSystem):
     """M(q) v̇ + F_int(t, q, v) + F_gyr(q, v) = F_ext(t) + p, q̇ = v.
 
     Derive from it and override, where the term is not a constant that is set,
@@ -51,46 +145,27 @@ class LagrangianDS(Named):
         For "Plugin:function" in the place of numbers.
     """
 
-    def __init__(self, q0: ArrayLike, v0: ArrayLike, mass: Any = None) -> None:
-        self._q0 = to_vector(q0, "q0").copy()
-        self._v0 = to_vector(v0, "v0").copy()
+    hints: ClassVar[dict[str, str]] = DynamicalSystem.hints | dict.fromkeys(
+        (
+            "setJacobianFIntqPtr",
+            "setJacobianFIntqDotPtr",
+            "setJacobianFGyrqPtr",
+            "setJacobianFGyrqDotPtr",
+        ),
+        "derivatives of forces are found by differences",
+    )
+
+    def __init__(self, q0: ArrayLike = (), v0: ArrayLike = (), mass: Any = None) -> None:
+        super().__init__(q0, v0)
         self._mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
         self._K: Matrix | None = None
         self._C: Matrix | None = None
         self._fExt: FloatArray | None = None
         self._fInt: FloatArray | None = None
         self._fGyr: FloatArray | None = None
-        self._number = next(_numbers)
-        #: q, v and p(1), kept by the simulation
-        self.live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0))
-        self._seen = tuple(read_only(array) for array in self.live)
-
-    def q(self) -> FloatArray:
-        """(n,) the position now, live."""
-        return self._seen[0]
-
-    def velocity(self) -> FloatArray:
-        """(n,) the velocity now, live."""
-        return self._seen[1]
-
-    def p(self, level: int) -> FloatArray:
-        """(n,) Wλ of all interactions in the last step [N s], live."""
-        if level != 1:
-            raise NotThere(f"p(1), the impulse, is there, got p({level})")
-        return self._seen[2]
-
-    def q0(self) -> FloatArray:
-        return read_only(self._q0)
-
-    def velocity0(self) -> FloatArray:
-        return read_only(self._v0)
-
-    def dimension(self) -> int:
-        return len(self._q0)
-
-    def number(self) -> int:
-        """Of all systems that were ever made."""
-        return self._number
+        self._forces: FloatArray | None = None
+        self._acceleration = np.zeros(self.dimension())
+        self._jacobians: tuple[FloatArray, FloatArray] | None = None
 
     def mass(self) -> Any:
         """(n, n), to be written by computeMass; fixed for the simulation if that is not overridden."""
@@ -145,6 +220,72 @@ class LagrangianDS(Named):
         self.computeMass(self.q())
         return float(0.5 * self.velocity() @ (self.mass() @ self.velocity()))
 
+    def isLinear(self) -> bool:
+        return False
+
+    def computeForces(self, time: float, position: ArrayLike, velocity: ArrayLike) -> None:
+        """forces() at this time and state."""
+        q, v = to_vector(position, "position"), to_vector(velocity, "velocity")
+        self._forces = self.evaluate_forces(time, q, v)
+
+    def forces(self) -> FloatArray | None:
+        """(n,) F_ext − F_int − F_gyr of the last computeForces(), of linear systems − K q − C v too."""
+        return self._forces
+
+    def computeRhs(self, time: float) -> None:
+        """rhs() and acceleration() now: M⁻¹ (forces + p(2))."""
+        self.computeMass(self.q())
+        self.computeForces(time, self.q(), self.velocity())
+        total = np.asarray(self._forces) + self.p(2)
+        self._acceleration[:] = np.linalg.solve(to_dense(self.mass()), total)
+
+    initRhs = computeRhs
+
+    def rhs(self) -> FloatArray:
+        """(2n,) [q̇, v̇] of the last computeRhs()."""
+        return np.concatenate([self.velocity(), self._acceleration])
+
+    def acceleration(self) -> FloatArray:
+        """(n,) of the last computeRhs()."""
+        return read_only(self._acceleration)
+
+    def computeJacobianqForces(self, time: float) -> None:
+        """jacobianqForces() and jacobianvForces() now, by central differences."""
+        q, v = self.q().copy(), self.velocity().copy()
+        self._jacobians = (
+            _difference(lambda x: -self.evaluate_forces(time, x, v), q),
+            _difference(lambda x: -self.evaluate_forces(time, q, x), v),
+        )
+
+    computeJacobianvForces = computeJacobianqForces
+
+    def jacobianqForces(self) -> FloatArray | None:
+        """(n, n) −∂forces/∂q, K of a linear system; None before it is computed."""
+        return None if self._jacobians is None else self._jacobians[0]
+
+    def jacobianvForces(self) -> FloatArray | None:
+        """(n, n) −∂forces/∂v, C of a linear system; None before it is computed."""
+        return None if self._jacobians is None else self._jacobians[1]
+
+    def computeJacobianRhsx(self, time: float) -> None:
+        """jacobianRhsx() now, with M kept."""
+        self.computeMass(self.q())
+        self.computeJacobianqForces(time)
+
+    def jacobianRhsx(self) -> FloatArray:
+        """(2n, 2n) [[0, 1], [−M⁻¹K, −M⁻¹C]], with the last jacobianqForces() and jacobianvForces()."""
+        n = self.dimension()
+        result = np.zeros((2 * n, 2 * n))
+        result[:n, n:] = np.eye(n)
+        if self._jacobians is not None:
+            result[n:] = -np.linalg.solve(to_dense(self.mass()), np.hstack(self._jacobians))
+        return result
+
+    def update(self, time: float) -> None:
+        """computeRhs() and computeJacobianRhsx()."""
+        self.computeRhs(time)
+        self.computeJacobianRhsx(time)
+
     def overrides(self, *methods: str) -> bool:
         """Say whether the script's class defines one of them."""
         return any(getattr(type(self), name) is not getattr(LagrangianDS, name) for name in methods)
@@ -162,6 +303,7 @@ class LagrangianDS(Named):
         for array, method in terms:
             if isinstance(array, np.ndarray) and not (method and self.overrides(method)):
                 array.flags.writeable = False
+        self._simulated = True
         if self.overrides("computeMass"):
             return _VaryingMass(self)
         if self.overrides("computeFInt", "computeFGyr"):
@@ -169,7 +311,18 @@ class LagrangianDS(Named):
         if self.overrides("computeFExt"):
             return _Driven(self)
         force = self.fExt() - self.fInt() - self.fGyr()
-        return native.LagrangianLinearTIDS(self._q0, self._v0, self.mass(), self._K, self._C, force)
+        return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
+
+    def start(self) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity that a simulation starts from."""
+        return self.live[0].copy(), self.live[1].copy()
+
+    def evaluate_forces(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
+        """(n,) as write_forces(); the state stays what it is."""
+        kept, out = self.start(), np.zeros(self.dimension())
+        self.write_forces(t, q, v, out)
+        self.live[0][:], self.live[1][:] = kept
+        return out
 
     def write_forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
         """h(t, q, v) of the overrides and the constants; meanwhile q() and velocity() are these."""
@@ -204,6 +357,9 @@ class LagrangianLinearTIDS(LagrangianDS):
         if C is not None:
             self.setCPtr(C)
 
+    def isLinear(self) -> bool:
+        return True
+
     def K(self) -> Matrix | None:
         return self._K
 
@@ -234,6 +390,13 @@ class LagrangianLinearDiagonalDS(LagrangianLinearTIDS):
         super().__init__(q0, v0, _diagonal(m), _diagonal(k), C)
 
 
+def _difference(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> FloatArray:
+    """The derivative by central differences, (n, n); exact to rounding if the function is linear."""
+    step = np.cbrt(np.finfo(float).eps) * max(1.0, float(np.abs(at).max(initial=0.0)))
+    columns = [function(at + step * e) - function(at - step * e) for e in np.eye(len(at))]
+    return np.asarray(np.column_stack(columns) / (2.0 * step))
+
+
 def _diagonal(entries: FloatArray) -> Matrix:
     return sparse.csr_array(sparse.diags_array(entries))
 
@@ -242,7 +405,7 @@ class _Nonlinear(native.LagrangianDS):
     """Forces by overrides, derivatives by differences."""
 
     def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
-        super().__init__(ds.q0(), ds.velocity0(), mass)
+        super().__init__(*ds.start(), mass)
         self.ds = ds
 
     def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
@@ -265,7 +428,7 @@ class _Driven(_Nonlinear):
             if matrix is not None:
                 self._jacobians[k] = -to_dense(matrix)
         self._linear = bool(self._jacobians.any())
-        self._q, self._v, _ = ds.live
+        self._q, self._v, _, _ = ds.live
         constant = ds.fInt() + ds.fGyr()
         self._constant = constant if constant.any() else None
 
