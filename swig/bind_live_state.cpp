@@ -19,7 +19,8 @@ using Given = std::vector<std::array<py::array, 4>>;
 class LiveState final : public Observer {
  public:
   /// @param systems    of each system q (coordinates), v (n), impulse (n), force (n)
-  /// @param contacts   of each interaction gaps (gaps), velocities, impulses, forces (rows)
+  /// @param contacts   of the interactions, or the first of them, gaps (gaps), velocities, impulses, forces
+  ///                   (rows)
   /// @param time_step  Δt [s]
   /// @param steps      after that many, impulses start from zero again
   LiveState(std::vector<Arrays> systems, std::vector<Arrays> contacts, double time_step, long steps)
@@ -80,7 +81,7 @@ class LiveState final : public Observer {
   }
 
   void require_sizes(const Layout& layout) const {
-    bool fits = systems_.size() == layout.systems.size() && contacts_.size() == layout.contacts.size();
+    bool fits = systems_.size() == layout.systems.size() && contacts_.size() <= layout.contacts.size();
     const auto sized = [](const Arrays& arrays, int first, int second) {
       return arrays[0].size() == first && arrays[1].size() == second && arrays[2].size() == second &&
              arrays[3].size() == second;
@@ -107,7 +108,7 @@ Parameters
 ----------
 systems : of each system arrays q (coordinates,), v, impulse, force (n,): impulse of its contacts, their force at
     the end of the step
-contacts : of each interaction arrays gap (gaps,), velocity, impulse, force (rows,)
+contacts : likewise of the interactions, or the first of them, gap (gaps,), velocity, impulse, force (rows,)
 time_step : Δt [s]: forces of contacts count as impulses over it
 steps : impulses are summed up over that many steps, then start from zero again
 

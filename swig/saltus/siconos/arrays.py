@@ -198,6 +198,37 @@ def getVector(vector: ArrayLike) -> FloatArray:
     return to_vector(vector, "a vector")
 
 
+def compareRefFile(
+    data: ArrayLike, filename: str, epsilon: float, index: Any = None, verbose: bool = True
+) -> float:
+    """The largest distance of numbers from those in a file, printed.
+
+    Parameters
+    ----------
+    data : (rows, columns)
+    filename : rows, columns and the rows, or the rows alone
+    epsilon : what counts as equal
+    index : the columns to compare, all if left out
+
+    Raises
+    ------
+    ValueError
+        If the file holds another number of rows or columns.
+    """
+    ours = np.asarray(data, dtype=float)
+    lines = Path(filename).read_text(encoding="ascii", errors="replace").splitlines()
+    theirs = np.loadtxt(lines[1:] if len(lines[0].split()) == 2 != ours.shape[1] else lines, ndmin=2)
+    if theirs.shape != ours.shape:
+        raise ValueError(f"{filename}: expected {ours.shape} numbers, got {theirs.shape}")
+    columns = slice(None) if index is None else index
+    error = float(np.abs(ours[:, columns] - theirs[:, columns]).max(initial=0.0))
+    if verbose:
+        print(
+            f"{filename}: differs by {error:g}, {'more' if error > epsilon else 'not more'} than {epsilon:g}"
+        )
+    return error
+
+
 def _as_array(values: FloatArray, dtype: DTypeLike | None, copy: bool | None) -> FloatArray:
     array = np.asarray(values, dtype=dtype)
     return array.copy() if copy else array

@@ -75,6 +75,11 @@ class Relation(Named):
     def __init__(self, *plugins: str) -> None:
         refuse_plugins(*plugins)
         self._jachq: FloatArray | None = None
+        self._impulse = _NOTHING
+
+    def follow(self, impulse: FloatArray) -> None:
+        """Be told lambda_(1) of the interaction, live."""
+        self._impulse = impulse
 
     def jachq(self) -> FloatArray:
         """(rows, n) H, to be written by computeJachq; there once it is set or the interaction is linked.
@@ -229,6 +234,7 @@ class Interaction(Named):
         #: y(0), y(1), lambda_(1) and lambda_(2), kept by the simulation
         self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
         self._seen = tuple(read_only(array) for array in self.live)
+        relation.follow(self._seen[2])
 
     def y(self, level: int) -> FloatArray:
         """y(0) the gap [m], of a bilateral constraint all rows; y(1) (rows,) the velocities [m/s].
@@ -262,6 +268,13 @@ class Interaction(Named):
     def number(self) -> int:
         """Of all interactions that were ever made."""
         return self._number
+
+    def display(self) -> None:
+        """Print what it is."""
+        law, relation = type(self._law).__name__, type(self._relation).__name__
+        y, ydot, impulse, force = self.live
+        print(f"Interaction {self._number}, {law}, {relation}: y(0) = {y}, y(1) = {ydot}, ", end="")
+        print(f"lambda_(1) = {impulse}, lambda_(2) = {force}")
 
     def native(self, freedoms: int) -> native.Interaction:
         """The interaction of Saltus on systems that have that many freedoms together."""

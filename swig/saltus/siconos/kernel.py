@@ -11,7 +11,16 @@ from typing import Any
 from saltus import kernel as native
 from saltus.registry import IntegratorFactory
 from saltus.siconos import numerics
-from saltus.siconos.arrays import DENSE, SPARSE, NotThere, SiconosVector, SimpleMatrix, getMatrix, getVector
+from saltus.siconos.arrays import (
+    DENSE,
+    SPARSE,
+    NotThere,
+    SiconosVector,
+    SimpleMatrix,
+    compareRefFile,
+    getMatrix,
+    getVector,
+)
 from saltus.siconos.event_driven import (
     NS_EVENT,
     SICONOS_OSNSP_ED_IMPACT,
@@ -29,6 +38,16 @@ from saltus.siconos.interactions import (
     NewtonImpactFrictionNSL,
     NewtonImpactNSL,
 )
+from saltus.siconos.newton_euler import (
+    NewtonEuler1DR,
+    NewtonEuler3DR,
+    NewtonEulerDS,
+    changeFrameAbsToBody,
+    changeFrameBodyToAbs,
+    quaternionFromRotationVector,
+    rotationVectorFromConfiguration,
+    rotationVectorFromQuaternion,
+)
 from saltus.siconos.simulation import (
     SICONOS_OSNSP_TS_VELOCITY,
     FrictionContact,
@@ -37,7 +56,12 @@ from saltus.siconos.simulation import (
     TimeDiscretisation,
     TimeStepping,
 )
-from saltus.siconos.systems import LagrangianDS, LagrangianLinearDiagonalDS, LagrangianLinearTIDS
+from saltus.siconos.systems import (
+    BoundaryCondition,
+    LagrangianDS,
+    LagrangianLinearDiagonalDS,
+    LagrangianLinearTIDS,
+)
 
 __all__ = [
     "DENSE",
@@ -47,6 +71,7 @@ __all__ = [
     "SICONOS_OSNSP_TS_VELOCITY",
     "SPARSE",
     "TD_EVENT",
+    "BoundaryCondition",
     "EqualityConditionNSL",
     "EventDriven",
     "FrictionContact",
@@ -58,6 +83,9 @@ __all__ = [
     "LagrangianRheonomousR",
     "LagrangianScleronomousR",
     "LsodarOSI",
+    "NewtonEuler1DR",
+    "NewtonEuler3DR",
+    "NewtonEulerDS",
     "NewtonImpactFrictionNSL",
     "NewtonImpactNSL",
     "NonSmoothDynamicalSystem",
@@ -65,8 +93,14 @@ __all__ = [
     "SimpleMatrix",
     "TimeDiscretisation",
     "TimeStepping",
+    "changeFrameAbsToBody",
+    "changeFrameBodyToAbs",
+    "compareRefFile",
     "getMatrix",
     "getVector",
+    "quaternionFromRotationVector",
+    "rotationVectorFromConfiguration",
+    "rotationVectorFromQuaternion",
 ]
 
 #: What is merely spelled otherwise: Siconos's name, ours
@@ -77,6 +111,9 @@ ALIASES: dict[str, Any] = {
     "GenericMechanical": OneStepNSProblem,
     "D1MinusLinearOSI": native.DMinusAccelerationOSI,
     "TimeSteppingD1Minus": TimeStepping,
+    "FixedBC": BoundaryCondition,
+    "NewtonEulerFrom1DLocalFrameR": NewtonEuler1DR,
+    "NewtonEulerFrom3DLocalFrameR": NewtonEuler3DR,
 }
 
 #: What is not there: it can be imported, and says so where it is used
@@ -115,16 +152,10 @@ NOT_THERE = {
         ),
         "not there; MoreauJeanOSI and HalfExplicitTrapezoidalOSI(stabilization='position') are",
     ),
-    **dict.fromkeys(
-        ("NewtonEulerDS", "NewtonEulerR", "NewtonEuler1DR", "NewtonEuler3DR"),
-        "rigid bodies are not there under this name, saltus.kernel.NewtonEulerDS is",
-    ),
+    "NewtonEulerR": "not there; NewtonEuler1DR and NewtonEuler3DR are",
     "LagrangianCompliantLinearTIR": "compliant relations are not there, LagrangianLinearTIR is",
     "LagrangianCompliantR": "compliant relations are not there, LagrangianScleronomousR is",
-    **dict.fromkeys(
-        ("FixedBC", "HarmonicBC", "BoundaryCondition"),
-        "boundary conditions are not there, EqualityConditionNSL with a relation is",
-    ),
+    "HarmonicBC": "not there, EqualityConditionNSL with a LagrangianRheonomousR is",
 }
 
 

@@ -10,7 +10,7 @@ from saltus._core import LiveState
 from saltus.siconos.arrays import Named, NotThere
 from saltus.siconos.interactions import Interaction
 from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
-from saltus.siconos.systems import LagrangianDS
+from saltus.siconos.systems import DynamicalSystem
 
 if TYPE_CHECKING:
     from saltus.io import Trajectory
@@ -61,16 +61,18 @@ class NonSmoothDynamicalSystem(Named):
 
     def __init__(self, t0: float, T: float) -> None:
         self._t0, self._T = float(t0), float(T)
-        self.systems: list[LagrangianDS] = []
-        self.links: list[tuple[Interaction, LagrangianDS, LagrangianDS | None]] = []
+        self.systems: list[DynamicalSystem] = []
+        self.links: list[tuple[Interaction, DynamicalSystem, DynamicalSystem | None]] = []
 
-    def insertDynamicalSystem(self, ds: LagrangianDS) -> None:
+    def insertDynamicalSystem(self, ds: DynamicalSystem) -> None:
         """Raises TypeError if it is no system of this package."""
-        if not isinstance(ds, LagrangianDS):
-            raise TypeError(f"expected a LagrangianDS or one derived from it, got {type(ds).__name__}")
+        if not isinstance(ds, DynamicalSystem):
+            raise TypeError(f"expected a LagrangianDS or another system, got {type(ds).__name__}")
         self.systems.append(ds)
 
-    def link(self, interaction: Interaction, ds1: LagrangianDS, ds2: LagrangianDS | None = None) -> None:
+    def link(
+        self, interaction: Interaction, ds1: DynamicalSystem, ds2: DynamicalSystem | None = None
+    ) -> None:
         """Let it act between ds1 and the ground or ds2. Raises ValueError if a system is not inserted."""
         for ds in (ds1, *(() if ds2 is None else (ds2,))):
             if not any(ds is known for known in self.systems):
@@ -92,7 +94,7 @@ class NonSmoothDynamicalSystem(Named):
     def setT(self, T: float) -> None:
         self._T = float(T)
 
-    def dynamicalSystem(self, number: int) -> LagrangianDS:
+    def dynamicalSystem(self, number: int) -> DynamicalSystem:
         """The one that has this number(). Raises ValueError if there is none."""
         for ds in self.systems:
             if ds.number() == number:
@@ -120,6 +122,9 @@ class NonSmoothDynamicalSystem(Named):
             freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
             second = None if ds2 is None else made[id(ds2)]
             system.link(interaction.native(freedoms), made[id(ds1)], second)
+        for ds in self.systems:
+            if (held := ds.held()) is not None:
+                system.link(held, made[id(ds)])
         return system
 
 
@@ -235,7 +240,7 @@ class TimeStepping(Named):
             raise NotThere(f"one problem, SICONOS_OSNSP_TS_VELOCITY = 0, is there, got {id}")
         self._problem = problem
 
-    def associate(self, osi: native.OneStepIntegrator, ds: LagrangianDS) -> None:
+    def associate(self, osi: native.OneStepIntegrator, ds: DynamicalSystem) -> None:
         """One integrator takes all systems. Raises NotImplementedError for a second one."""
         if self._osi is not None and osi is not self._osi:
             raise NotThere("one integrator for all systems is there, got another one")

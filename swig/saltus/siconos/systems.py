@@ -14,7 +14,7 @@ from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vecto
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from saltus.typing import FloatArray, Matrix
 
@@ -26,6 +26,29 @@ def read_only(array: FloatArray) -> FloatArray:
     view: FloatArray = array.view()
     view.flags.writeable = False
     return view
+
+
+class BoundaryCondition(Named):
+    """Freedoms whose velocity is zero.
+
+    Raises NotImplementedError for other velocities.
+
+    Parameters
+    ----------
+    indices : (k,) of velocities
+    velocity : (k,) zero
+    """
+
+    def __init__(self, indices: ArrayLike, velocity: ArrayLike | None = None) -> None:
+        self._indices = np.array(indices, dtype=int, ndmin=1)
+        if velocity is not None and np.any(to_vector(velocity, "velocity")):
+            raise NotThere(
+                "velocities of a boundary condition are zero here; a LagrangianRheonomousR moves them"
+            )
+
+    def velocityIndices(self) -> NDArray[np.int_]:
+        """(k,), can be written until the simulation is made."""
+        return self._indices
 
 
 class DynamicalSystem(Named):
@@ -47,6 +70,7 @@ class DynamicalSystem(Named):
         self._v0 = to_vector(v0, "v0").copy()
         self._number = next(_numbers)
         self._simulated = False
+        self._boundary: BoundaryCondition | None = None
         #: q, v, p(1) and p(2), kept by the simulation
         self.live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0)), np.zeros(len(self._v0))
         self._seen = tuple(read_only(array) for array in self.live)
@@ -101,6 +125,36 @@ class DynamicalSystem(Named):
         """All p(level) become zero, until the next step."""
         self.resetNonSmoothPart(1)
         self.resetNonSmoothPart(2)
+
+    def setBoundaryConditions(self, condition: BoundaryCondition) -> None:
+        """Hold freedoms; the force that this takes is not in p. Raises TypeError if it is something else."""
+        if not isinstance(condition, BoundaryCondition):
+            raise TypeError(f"expected a BoundaryCondition, got {type(condition).__name__}")
+        self._boundary = condition
+
+    def boundaryConditions(self) -> BoundaryCondition | None:
+        return self._boundary
+
+    def held(self) -> native.Interaction | None:
+        """The boundary condition as a bilateral constraint: q_i stays what it is.
+
+        Raises
+        ------
+        ValueError
+            If it names a freedom that there is not.
+        NotImplementedError
+            For a body with a quaternion.
+        """
+        if self._boundary is None:
+            return None
+        indices, n = np.unique(self._boundary.velocityIndices()), self.dimension()
+        if len(self._q0) != n:
+            raise NotThere(f"boundary conditions of a {type(self).__name__} are not there, Joint is")
+        if len(indices) == 0 or indices[0] < 0 or indices[-1] >= n:
+            raise ValueError(f"a boundary condition names velocities from 0 to {n - 1}, got {indices}")
+        rows = np.eye(n)[indices]
+        relation = native.LagrangianLinearTIR(rows, -rows @ self.live[0])
+        return native.Interaction(relation, native.EqualityConditionNSL(len(indices)))
 
     def dimension(self) -> int:
         """Number of freedoms."""
@@ -253,8 +307,8 @@ class LagrangianDS(DynamicalSystem):
         """jacobianqForces() and jacobianvForces() now, by central differences."""
         q, v = self.q().copy(), self.velocity().copy()
         self._jacobians = (
-            _difference(lambda x: -self.evaluate_forces(time, x, v), q),
-            _difference(lambda x: -self.evaluate_forces(time, q, x), v),
+            difference(lambda x: -self.evaluate_forces(time, x, v), q),
+            difference(lambda x: -self.evaluate_forces(time, q, x), v),
         )
 
     computeJacobianvForces = computeJacobianqForces
@@ -390,7 +444,7 @@ class LagrangianLinearDiagonalDS(LagrangianLinearTIDS):
         super().__init__(q0, v0, _diagonal(m), _diagonal(k), C)
 
 
-def _difference(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> FloatArray:
+def difference(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> FloatArray:
     """The derivative by central differences, (n, n); exact to rounding if the function is linear."""
     step = np.cbrt(np.finfo(float).eps) * max(1.0, float(np.abs(at).max(initial=0.0)))
     columns = [function(at + step * e) - function(at - step * e) for e in np.eye(len(at))]
