@@ -33,6 +33,8 @@ std::string describe(double time, long step, const std::string& about,
   return message + ")";
 }
 
+}  // namespace
+
 double require_time_step(double dt, double t0) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw std::invalid_argument("time_step must be positive and finite, got " + number(dt));
@@ -41,7 +43,11 @@ double require_time_step(double dt, double t0) {
   return dt;
 }
 
-}  // namespace
+bool reaches(double until, double t0, double time_step, long steps) {
+  const double last =
+      until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * time_step);
+  return t0 + (steps + 1) * time_step <= last;
+}
 
 class TimeStepping::Busy {
  public:
@@ -65,6 +71,9 @@ SimulationError::SimulationError(double time, long step, const std::string& abou
       step_(step),
       contacts_(std::move(contacts)),
       report_(report) {}
+
+SimulationError::SimulationError(double time, long step, const std::string& message, const StepReport& report)
+    : std::runtime_error(message), time_(time), step_(step), report_(report) {}
 
 TimeStepping::TimeStepping(const NonSmoothDynamicalSystem& model, const OneStepIntegrator& integrator,
                            double time_step, const ContactSolver& solver)
@@ -163,10 +172,7 @@ void TimeStepping::run(double until) {
   }
 }
 
-bool TimeStepping::reaches(double until) const {
-  const double last = until + std::min(until_tolerance * std::abs(until), until_tolerance_in_steps * dt_);
-  return model_.t0() + (step_ + 1) * dt_ <= last;
-}
+bool TimeStepping::reaches(double until) const { return saltus::reaches(until, model_.t0(), dt_, step_); }
 
 const StepReport& TimeStepping::step() {
   const Busy busy(busy_, "step");

@@ -17,6 +17,8 @@ class SimulationError : public std::runtime_error {
   /// @param about  the contact that the status is about, or empty
   SimulationError(double time, long step, const std::string& about, std::vector<std::string> contacts,
                   const StepReport& report);
+  /// @param message  the whole of it
+  SimulationError(double time, long step, const std::string& message, const StepReport& report);
   double time() const { return time_; }  ///< start of the step that failed [s]
   long step() const { return step_; }    ///< its number
   const std::vector<std::string>& contacts() const { return contacts_; }  ///< closed at its start
@@ -28,6 +30,11 @@ class SimulationError : public std::runtime_error {
   std::vector<std::string> contacts_;
   StepReport report_;
 };
+
+/// @throws std::invalid_argument unless Δt is positive, finite and changes t0
+double require_time_step(double time_step, double t0);
+/// Is the step after `steps` others one with t_k <= until (1 + 1e-12)? The tolerance is at most Δt/1000.
+bool reaches(double until, double t0, double time_step, long steps);
 
 /// Event-capturing simulation with fixed steps: t_k = t0 + k Δt.
 class TimeStepping {
