@@ -18,6 +18,7 @@ void bind_models(py::module_& module);
 void bind_bodies(py::module_& module);
 void bind_kernel(py::module_& module);
 void bind_integrators(py::module_& module);
+void bind_first_order(py::module_& module);
 void bind_io(py::module_& module);
 void bind_live_state(py::module_& module);
 void bind_compare(py::module_& module);

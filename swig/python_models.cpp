@@ -78,11 +78,23 @@ void CachedMethod::fill(const double* t, const In& q, const In* v, double* out,
                             : t    ? call({time.ptr(), Q, O})
                             : v    ? call({Q, V, O})
                                    : call({Q, O});
+  take(result, *arrays, out);
+  pool_.give_back(std::move(arrays));
+}
+
+void CachedMethod::fill_at(double t, double* out, std::vector<py::ssize_t> shape) {
+  auto arrays = pool_.take(0, 0, shape);
+  arrays->out.set_zero();
+  const py::float_ time(t);
+  take(call({time.ptr(), arrays->out.object()}), *arrays, out);
+  pool_.give_back(std::move(arrays));
+}
+
+void CachedMethod::take(const py::object& result, const CallArrays& arrays, double* out) const {
   if (!result.is_none())
     throw py::type_error(full_name() + " must write into out and return None, got " +
                          Py_TYPE(result.ptr())->tp_name);
-  arrays->out.get(out, name_);
-  pool_.give_back(std::move(arrays));
+  arrays.out.get(out, name_);
 }
 
 double CachedMethod::number(const In& q) {

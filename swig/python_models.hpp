@@ -74,6 +74,8 @@ class CachedMethod {
   /// @param start  what is in `out` at the call, zero if nullptr
   void fill(const double* t, const In& q, const In* v, double* out, std::vector<py::ssize_t> shape,
             const double* start = nullptr);
+  /// Calls method(self, t, out), likewise.
+  void fill_at(double t, double* out, std::vector<py::ssize_t> shape);
   /// Calls method(self, q) for a method that returns a number. @throws py::type_error if it is none
   double number(const In& q);
   /// @throws std::invalid_argument if the class implements what was also given to its base class
@@ -85,6 +87,7 @@ class CachedMethod {
 
  private:
   void search(PyObject* self, py::handle base);
+  void take(const py::object& result, const CallArrays& arrays, double* out) const;
 
   const char* name_;
   PyObject* self_ = nullptr;
