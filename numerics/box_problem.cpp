@@ -54,7 +54,7 @@ void BoxProblem::prepare(const BoxLaws& laws, ContactSolver& solver) {
   problem_.b.resize(unknowns);
   problem_.tolerance = solver.tolerance();
   P_.resize(unknowns);
-  xi_.resize(unknowns);
+  scale_ = 0.0;
   M_ = Matrix::Zero(rows, rows);
   if (!solver.accepts(problem_))
     throw std::invalid_argument("the solver '" + std::string(solver.name()) +
@@ -121,6 +121,7 @@ SolveReport BoxProblem::solve(const Vec& q, Vec& z) {
   }
   guess(q, z);
   const SolveReport report = solver_->solve(problem_, P_.data());
+  scale_ = report.certificate.scale;
   for (int i = 0; i < n; ++i) {
     const Row& row = rows_[i];
     z[i] = std::clamp(row.origin() + row.sign() * row.column * P_[i], row.lower, row.upper);
@@ -130,11 +131,13 @@ SolveReport BoxProblem::solve(const Vec& q, Vec& z) {
 
 Certificate BoxProblem::certify(const Vec& q, const Vec& z, const Vec& w) const {
   const int n = static_cast<int>(rows_.size());
-  Certificate certificate;
+  Certificate certificate{.scale = scale_};
+  // z is the sum of where it counts from and what the solver found.
+  const auto terms = [&](int j) { return (std::abs(z[j]) + std::abs(rows_[j].origin())) / rows_[j].column; };
   for (int i = 0; i < n; ++i) {
     const Row& row = rows_[i];
     double size = std::abs(row.row * q[i]);
-    for (int j = 0; j < n; ++j) size += std::abs(M_(i, j) * z[j] / rows_[j].column);
+    for (int j = 0; j < n; ++j) size += std::abs(M_(i, j)) * terms(j);
     const double scaled = z[i] / row.column;
     const double natural =
         scaled - std::clamp(scaled - row.row * w[i], row.lower / row.column, row.upper / row.column);

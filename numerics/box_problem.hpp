@@ -63,7 +63,8 @@ class BoxProblem {
   Matrix M_;  // scaled
   ContactProblem problem_;
   ContactSolver* solver_ = nullptr;
-  PoolVec P_, xi_;
+  PoolVec P_;
+  double scale_ = 0.0;  // of the last certificate
 };
 
 }  // namespace saltus

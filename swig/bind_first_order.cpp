@@ -184,34 +184,19 @@ ValueError
 
 void bind_system(py::module_& module) {
   using Systems = std::vector<std::shared_ptr<FirstOrderDS>>;
-  py::classh<FirstOrderSystem>(module, "FirstOrderSystem", py::dynamic_attr(),
-                               R"(First-order systems, and the relations between them with their laws.
-
-Parameters
-----------
-systems : their states x one after the other are that of the whole
-t0 : initial time [s]
-
-Raises
-------
-ValueError
-    If there is no system, one stands twice, or t0 is not finite.
-)")
+  py::classh<FirstOrderSystem>(module, "FirstOrderSystemBase")
       .def(py::init([](const Systems& systems, double t0) {
              return std::make_unique<FirstOrderSystem>(
                  FirstOrderSystem::Systems(systems.begin(), systems.end()), t0);
            }),
            py::arg("systems"), py::arg("t0") = 0.0)
       .def(
-          "link",
+          "connect",
           [](FirstOrderSystem& self, std::shared_ptr<FirstOrderRelation> relation, const BoxLaws& laws,
              const FirstOrderDS& first, const FirstOrderDS* second,
              std::string name) { self.link(std::move(relation), laws, first, second, std::move(name)); },
           py::arg("relation"), py::arg("law"), py::arg("ds1"), py::arg("ds2") = py::none(),
-          py::arg("name") = "",
-          "Let a relation act on ds1, or on ds1 and ds2, with a law between its y and λ. Results carry the "
-          "name.\n\n"
-          "Raises ValueError if a system is not part of this one, the name is taken, or sizes disagree.")
+          py::arg("name") = "")
       .def_property_readonly("t0", &FirstOrderSystem::t0)
       .def_property_readonly("dimension", &FirstOrderSystem::dimension, "entries of x")
       .def_property_readonly(

@@ -6,7 +6,6 @@ Every registered integrator is a factory of this module under its name, its opti
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -51,7 +50,24 @@ from saltus._core import (
     neighbours,
     rotation_matrix,
 )
+from saltus.first_order import (
+    BoxLaws,
+    ComplementarityConditionNSL,
+    EulerMoreauOSI,
+    FirstOrderLinearDS,
+    FirstOrderLinearR,
+    FirstOrderLinearTIDS,
+    FirstOrderLinearTIR,
+    FirstOrderNonLinearDS,
+    FirstOrderNonLinearR,
+    FirstOrderReport,
+    FirstOrderSystem,
+    FirstOrderTimeStepping,
+    MixedComplementarityConditionNSL,
+    RelayNSL,
+)
 from saltus.io import Layout, Provenance, Trajectory
+from saltus.io.records import plain
 from saltus.io.stream import Stream
 from saltus.registry import IntegratorFactory, register_integrator
 from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
@@ -62,13 +78,25 @@ if TYPE_CHECKING:
 __all__ = [
     "Actuator",
     "Box",
+    "BoxLaws",
     "CheckReport",
+    "ComplementarityConditionNSL",
     "Configuration",
     "ContactStage",
     "Disc",
     "Distance",
     "Driven",
     "EqualityConditionNSL",
+    "EulerMoreauOSI",
+    "FirstOrderLinearDS",
+    "FirstOrderLinearR",
+    "FirstOrderLinearTIDS",
+    "FirstOrderLinearTIR",
+    "FirstOrderNonLinearDS",
+    "FirstOrderNonLinearR",
+    "FirstOrderReport",
+    "FirstOrderSystem",
+    "FirstOrderTimeStepping",
     "ForceElement",
     "ForceLaw",
     "Interaction",
@@ -78,6 +106,7 @@ __all__ = [
     "LagrangianLinearTIR",
     "LagrangianRheonomousR",
     "LagrangianScleronomousR",
+    "MixedComplementarityConditionNSL",
     "NewtonEulerDS",
     "NewtonImpactFrictionNSL",
     "NewtonImpactNSL",
@@ -87,6 +116,7 @@ __all__ = [
     "Polyline",
     "Pose",
     "Reactions",
+    "RelayNSL",
     "Shape",
     "SimulationError",
     "SphereBox",
@@ -181,7 +211,7 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
         self._systems = tuple(systems)
-        self._parameters = _plain(parameters or {})
+        self._parameters = plain(parameters or {})
         super().__init__(list(self._systems), t0)
 
     @property
@@ -204,17 +234,6 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))
-
-
-def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy as it will be read from a file."""
-    try:
-        plain = json.loads(json.dumps(parameters))
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"parameters must be numbers, words, lists and mappings, got: {error}") from error
-    if not isinstance(plain, dict):
-        raise ValueError(f"parameters must be a mapping of names, got {type(parameters).__name__}")
-    return plain
 
 
 class StabilityWarning(UserWarning):
@@ -281,7 +300,7 @@ class TimeStepping(_core.TimeSteppingBase):
         layout = Layout.of(system.contacts(), [ds.coordinates for ds in system.systems])
         provenance = Provenance(
             scheme.name,
-            _plain(_storable(scheme.options)),
+            plain(_storable(scheme.options)),
             float(time_step),
             solver,
             int(record_every),

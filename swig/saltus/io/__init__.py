@@ -1,6 +1,17 @@
 """Results: a run as numpy arrays, in memory, in HDF5 files and as CSV."""
 
+from saltus.io.first_order import FirstOrderLayout, FirstOrderTrajectory, read_first_order
 from saltus.io.records import ContactRecord, Layout, Provenance, ShapeRecord
 from saltus.io.trajectory import Trajectory, read_hdf5
 
-__all__ = ["ContactRecord", "Layout", "Provenance", "ShapeRecord", "Trajectory", "read_hdf5"]
+__all__ = [
+    "ContactRecord",
+    "FirstOrderLayout",
+    "FirstOrderTrajectory",
+    "Layout",
+    "Provenance",
+    "ShapeRecord",
+    "Trajectory",
+    "read_first_order",
+    "read_hdf5",
+]

@@ -23,7 +23,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,7 @@ import h5py
 import numpy as np
 
 from saltus.io.files import NewFile, unwritable
-from saltus.io.records import UNITS, ContactSlot, Layout, Provenance, Rows, ShapeRecord
+from saltus.io.records import UNITS, ContactSlot, Layout, Loaded, Provenance, Rows, ShapeRecord
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
@@ -184,18 +184,6 @@ def chunk_rows(columns: Mapping[str, Any]) -> int:
 def row_bytes(columns: Mapping[str, Any]) -> int:
     """Size of a row like these."""
     return sum(int(values.dtype.itemsize) * prod(values.shape[1:]) for values in columns.values())
-
-
-@dataclass(frozen=True)
-class Loaded:
-    """Rows that were read."""
-
-    rows: int
-    values: Mapping[str, Any]
-
-    def columns(self) -> Mapping[str, Any]:
-        """All columns."""
-        return self.values
 
 
 @contextmanager

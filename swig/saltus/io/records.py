@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
@@ -26,6 +27,18 @@ class Rows(Protocol):
 
     def columns(self) -> Mapping[str, Any]:
         """All columns, name: array with one entry or row for each row of the run."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Rows that were read."""
+
+    rows: int
+    values: Mapping[str, Any]
+
+    def columns(self) -> Mapping[str, Any]:
+        """All columns."""
+        return self.values
 
 
 @dataclass(frozen=True)
@@ -103,3 +116,14 @@ def _follow(shape: PlacedShape, layout: Layout, q: FloatArray) -> ShapeRecord:
     start = sum(layout.coordinates[: shape.system])
     poses = shape.poses(q[:, start : start + layout.coordinates[shape.system]])
     return ShapeRecord(shape.system, type(shape.shape).__name__, shape.shape.outline(), poses)
+
+
+def plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy as it will be read from a file."""
+    try:
+        plain = json.loads(json.dumps(parameters))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"parameters must be numbers, words, lists and mappings, got: {error}") from error
+    if not isinstance(plain, dict):
+        raise ValueError(f"parameters must be a mapping of names, got {type(parameters).__name__}")
+    return plain

@@ -9,6 +9,7 @@ import numpy as np
 
 from saltus import kernel as native
 from saltus.siconos.arrays import Named, NotThere, refuse_plugins, to_matrix, to_vector
+from saltus.siconos.first_order import FirstOrderLaw, FirstOrderR
 from saltus.siconos.systems import read_only
 
 if TYPE_CHECKING:
@@ -220,45 +221,58 @@ class _Rheonomous(native.LagrangianRheonomousR):
 class Interaction(Named):
     """A law that acts in a relation.
 
-    Raises TypeError if the arguments are not a law and a relation of this package.
+    Raises TypeError if the arguments are not a law and a relation of this package that go together.
     """
 
-    def __init__(self, law: NonSmoothLaw, relation: Relation) -> None:
-        if not isinstance(law, NonSmoothLaw) or not isinstance(relation, Relation):
+    def __init__(self, law: NonSmoothLaw | FirstOrderLaw, relation: Relation | FirstOrderR) -> None:
+        self.first_order = isinstance(relation, FirstOrderR)
+        laws = (FirstOrderLaw, EqualityConditionNSL) if self.first_order else NonSmoothLaw
+        if not isinstance(law, laws) or not isinstance(relation, Relation | FirstOrderR):
             got = f"{type(law).__name__}, {type(relation).__name__}"
-            raise TypeError(f"an Interaction takes a law and a relation, got {got}")
+            raise TypeError(f"an Interaction takes a law and a relation that go together, got {got}")
         self._law, self._relation = law, relation
         self._number = next(_numbers)
         rows = law.size()
-        gaps = rows if law.native.bilateral else 1
-        #: y(0), y(1), lambda_(1) and lambda_(2), kept by the simulation
-        self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
-        self._seen = tuple(read_only(array) for array in self.live)
-        relation.follow(self._seen[2])
+        #: kept by the simulation: y(0), y(1), lambda_(1), lambda_(2), of first-order systems y(0), lambda_(0)
+        self.live: tuple[FloatArray, ...]
+        if self.first_order:
+            self.live = np.zeros(rows), np.zeros(rows)
+        else:
+            gaps = rows if law.native.bilateral else 1
+            self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
+        seen = [read_only(array) for array in self.live]
+        outputs = len(seen) // 2
+        self._outputs = dict(enumerate(seen[:outputs]))
+        self._multipliers = dict(enumerate(seen[outputs:], start=outputs - 1))
+        if isinstance(relation, Relation):
+            relation.follow(seen[outputs])
 
     def y(self, level: int) -> FloatArray:
         """y(0) the gap [m], of a bilateral constraint all rows; y(1) (rows,) the velocities [m/s].
 
-        Live, and zero before the first step.
+        Of first-order systems y(0) (rows,). Live, and zero before the first step.
         """
-        if level not in (0, 1):
-            raise NotThere(f"y(0), the gap, and y(1), the velocities, are there, got y({level})")
-        return self._seen[level]
+        return self._level("y", self._outputs, level)
 
     def lambda_(self, level: int) -> FloatArray:
-        """(rows,) lambda_(1) the impulse of the last step [N s], that of contact forces over it included,
-        lambda_(2) the contact force now [N], of schemes that have one; live.
-        """
-        if level not in (1, 2):
-            raise NotThere(
-                f"lambda_(1), the impulse, and lambda_(2), the force, are there, got lambda_({level})"
-            )
-        return self._seen[1 + level]
+        """(rows,) lambda_(1), the impulse of the last step [N s], that of contact forces over it included,
+        and lambda_(2), the contact force now [N], of schemes that have one.
 
-    def nonSmoothLaw(self) -> NonSmoothLaw:
+        Of first-order systems lambda_(0). Live.
+        """
+        return self._level("lambda_", self._multipliers, level)
+
+    @staticmethod
+    def _level(name: str, levels: dict[int, FloatArray], level: int) -> FloatArray:
+        if level not in levels:
+            there = " and ".join(f"{name}({k})" for k in levels)
+            raise NotThere(f"{there} {'is' if len(levels) == 1 else 'are'} there, got {name}({level})")
+        return levels[level]
+
+    def nonSmoothLaw(self) -> NonSmoothLaw | FirstOrderLaw:
         return self._law
 
-    def relation(self) -> Relation:
+    def relation(self) -> Relation | FirstOrderR:
         return self._relation
 
     def dimension(self) -> int:

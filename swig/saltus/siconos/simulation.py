@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
+
+import numpy as np
 
 from saltus import kernel as native
-from saltus._core import LiveState
+from saltus._core import FirstOrderLive, LiveState
 from saltus.siconos.arrays import Named, NotThere
+from saltus.siconos.first_order import EulerMoreauOSI, FirstOrderNonLinearDS
 from saltus.siconos.interactions import Interaction
 from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
 from saltus.siconos.systems import DynamicalSystem
 
 if TYPE_CHECKING:
-    from saltus.io import Trajectory
+    from saltus.io import FirstOrderTrajectory, Trajectory
+
+System: TypeAlias = DynamicalSystem | FirstOrderNonLinearDS
+Integrator: TypeAlias = native.OneStepIntegrator | EulerMoreauOSI
 
 SICONOS_OSNSP_TS_VELOCITY = 0
 
@@ -61,24 +67,33 @@ class NonSmoothDynamicalSystem(Named):
 
     def __init__(self, t0: float, T: float) -> None:
         self._t0, self._T = float(t0), float(T)
-        self.systems: list[DynamicalSystem] = []
-        self.links: list[tuple[Interaction, DynamicalSystem, DynamicalSystem | None]] = []
+        self.systems: list[System] = []
+        self.links: list[tuple[Interaction, System, System | None]] = []
 
-    def insertDynamicalSystem(self, ds: DynamicalSystem) -> None:
+    def insertDynamicalSystem(self, ds: System) -> None:
         """Raises TypeError if it is no system of this package."""
-        if not isinstance(ds, DynamicalSystem):
-            raise TypeError(f"expected a LagrangianDS or another system, got {type(ds).__name__}")
+        if not isinstance(ds, System):
+            raise TypeError(
+                f"expected a LagrangianDS, a FirstOrderNonLinearDS or one derived from them, got {type(ds).__name__}"
+            )
         self.systems.append(ds)
 
-    def link(
-        self, interaction: Interaction, ds1: DynamicalSystem, ds2: DynamicalSystem | None = None
-    ) -> None:
-        """Let it act between ds1 and the ground or ds2. Raises ValueError if a system is not inserted."""
+    def link(self, interaction: Interaction, ds1: System, ds2: System | None = None) -> None:
+        """Let it act between ds1 and the ground or ds2.
+
+        Raises ValueError if a system is not inserted, TypeError if it is of another kind than the relation.
+        """
         for ds in (ds1, *(() if ds2 is None else (ds2,))):
             if not any(ds is known for known in self.systems):
                 raise ValueError("expected a system that is inserted, insertDynamicalSystem(), before link()")
-        freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
-        interaction.relation().link(interaction.dimension(), freedoms)
+            if isinstance(ds, FirstOrderNonLinearDS) != interaction.first_order:
+                relation = type(interaction.relation()).__name__
+                raise TypeError(
+                    f"expected a relation and systems of one kind, got {relation} and {type(ds).__name__}"
+                )
+        if not interaction.first_order:
+            freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
+            interaction.relation().link(interaction.dimension(), freedoms)
         self.links.append((interaction, ds1, ds2))
 
     hints: ClassVar[dict[str, str]] = dict.fromkeys(
@@ -94,7 +109,7 @@ class NonSmoothDynamicalSystem(Named):
     def setT(self, T: float) -> None:
         self._T = float(T)
 
-    def dynamicalSystem(self, number: int) -> DynamicalSystem:
+    def dynamicalSystem(self, number: int) -> System:
         """The one that has this number(). Raises ValueError if there is none."""
         for ds in self.systems:
             if ds.number() == number:
@@ -114,8 +129,27 @@ class NonSmoothDynamicalSystem(Named):
     def getNumberOfInteractions(self) -> int:
         return len(self.links)
 
+    @property
+    def first_order(self) -> bool:
+        """Is it made of first-order systems? Raises ValueError if some are and some are not."""
+        kinds = {isinstance(ds, FirstOrderNonLinearDS) for ds in self.systems}
+        if len(kinds) == 2:
+            raise ValueError("expected Lagrangian or first-order systems in a simulation, got both")
+        return True in kinds
+
+    def first_order_native(self) -> native.FirstOrderSystem:
+        """The model of Saltus, as it is now, of first-order systems."""
+        made = {id(ds): ds.native() for ds in self.systems}
+        system = native.FirstOrderSystem(list(made.values()), self._t0)
+        for interaction, ds1, ds2 in self.links:
+            ends = [ds for ds in (ds1, ds2) if ds is not None]
+            z = np.concatenate([ds.z() for ds in ends])
+            relation = interaction.relation().native(interaction.dimension(), z)
+            system.link(relation, interaction.nonSmoothLaw().native, *(made[id(ds)] for ds in ends))
+        return system
+
     def native(self) -> native.NonSmoothDynamicalSystem:
-        """The model of Saltus, as it is now."""
+        """The model of Saltus, as it is now, of Lagrangian systems."""
         made = {id(ds): ds.native() for ds in self.systems}
         system = native.NonSmoothDynamicalSystem(list(made.values()), self._t0)
         for interaction, ds1, ds2 in self.links:
@@ -195,13 +229,15 @@ class TimeStepping(Named):
         "setPrintStat": "nothing is printed",
         "setName": "names are not asked",
         "setDisplayNewtonConvergence": "nothing is printed",
+        "setComputeResiduY": "the iteration ends at the residuals of all equations",
+        "setComputeResiduR": "likewise",
     }
 
     def __init__(
         self,
         nsds: NonSmoothDynamicalSystem,
         td: TimeDiscretisation,
-        osi: native.OneStepIntegrator | None = None,
+        osi: Integrator | None = None,
         osnspb: OneStepNSProblem | None = None,
     ) -> None:
         if not isinstance(nsds, NonSmoothDynamicalSystem) or not isinstance(td, TimeDiscretisation):
@@ -209,7 +245,7 @@ class TimeStepping(Named):
             raise TypeError(f"expected a NonSmoothDynamicalSystem and a TimeDiscretisation, got {got}")
         self._nsds, self._td, self._osi = nsds, td, osi
         self._problem = osnspb or OneStepNSProblem()
-        self._simulation: native.TimeStepping | None = None
+        self._simulation: native.TimeStepping | native.FirstOrderTimeStepping | None = None
         self._h, self._substeps = td.h, 1
         self._until: float | None = None
         self._step = 0
@@ -232,7 +268,7 @@ class TimeStepping(Named):
                 f"a smaller time step must be a whole fraction of the script's, {self._h:g} s, got {dt:g} s"
             )
 
-    def insertIntegrator(self, osi: native.OneStepIntegrator) -> None:
+    def insertIntegrator(self, osi: Integrator) -> None:
         self._osi = osi
 
     def insertNonSmoothProblem(self, problem: OneStepNSProblem, id: int = SICONOS_OSNSP_TS_VELOCITY) -> None:
@@ -240,15 +276,18 @@ class TimeStepping(Named):
             raise NotThere(f"one problem, SICONOS_OSNSP_TS_VELOCITY = 0, is there, got {id}")
         self._problem = problem
 
-    def associate(self, osi: native.OneStepIntegrator, ds: DynamicalSystem) -> None:
+    def associate(self, osi: Integrator, ds: System) -> None:
         """One integrator takes all systems. Raises NotImplementedError for a second one."""
         if self._osi is not None and osi is not self._osi:
             raise NotThere("one integrator for all systems is there, got another one")
         self._osi = osi
 
     def setNewtonTolerance(self, tolerance: float) -> None:
-        """Iterations end at 1e-12 of the velocities. Raises NotImplementedError if that is wider."""
-        if tolerance < 1e-12:
+        """Iterations end at 1e-12 of the velocities. Raises NotImplementedError if that is wider.
+
+        Those of first-order models end at 1e-12 of the terms that cancel, recomputed, whatever is said.
+        """
+        if tolerance < 1e-12 and not self._nsds.first_order:
             raise NotThere(f"Newton's iteration ends at 1e-12 of the velocities, got {tolerance:g}")
 
     def nonSmoothDynamicalSystem(self) -> NonSmoothDynamicalSystem:
@@ -262,24 +301,47 @@ class TimeStepping(Named):
         if self._simulation is None:
             self._start()
 
-    def _start(self) -> native.TimeStepping:
+    def _start(self) -> native.TimeStepping | native.FirstOrderTimeStepping:
         changes = self._changes or Changes()
         integrator = changes.integrator or self._osi
-        if integrator is None:
-            raise ValueError("expected an integrator, as MoreauJeanOSI(0.5), got none")
-        links = self._nsds.links
+        solver = changes.solver or self._problem.method
+        tolerance = float(self._problem.numericsSolverOptions().dparam[SICONOS_DPARAM_TOL])
+        if self._nsds.first_order:
+            self._simulation = self._start_first_order(integrator, solver, tolerance)
+        else:
+            self._simulation = self._start_lagrangian(integrator, solver, tolerance)
+        return self._simulation
+
+    def _start_lagrangian(
+        self, integrator: Integrator | str | None, solver: str, tolerance: float
+    ) -> native.TimeStepping:
+        if integrator is None or isinstance(integrator, EulerMoreauOSI):
+            got = "none" if integrator is None else "EulerMoreauOSI, which is for first-order systems"
+            raise ValueError(f"expected an integrator, as MoreauJeanOSI(0.5), got {got}")
         dt = self._h / self._substeps
         simulation = native.TimeStepping(
-            self._nsds.native(),
-            integrator,
-            dt,
-            solver=changes.solver or self._problem.method,
-            tolerance=float(self._problem.numericsSolverOptions().dparam[SICONOS_DPARAM_TOL]),
+            self._nsds.native(), integrator, dt, solver=solver, tolerance=tolerance
         )
         systems = [ds.live for ds in self._nsds.systems]
-        contacts = [interaction.live for interaction, _, _ in links]
+        contacts = [interaction.live for interaction, _, _ in self._nsds.links]
         simulation.add_observer(LiveState(systems, contacts, dt, self._substeps))
-        self._simulation = simulation
+        return simulation
+
+    def _start_first_order(
+        self, integrator: Integrator | str | None, solver: str, tolerance: float
+    ) -> native.FirstOrderTimeStepping:
+        if not isinstance(integrator, EulerMoreauOSI):
+            raise ValueError(f"expected EulerMoreauOSI(theta) for first-order systems, got {integrator!r}")
+        simulation = native.FirstOrderTimeStepping(
+            self._nsds.first_order_native(),
+            integrator.native(),
+            self._h / self._substeps,
+            solver=solver,
+            tolerance=tolerance,
+        )
+        systems = [ds.live for ds in self._nsds.systems]
+        relations = [interaction.live for interaction, _, _ in self._nsds.links]
+        simulation.add_observer(FirstOrderLive(systems, relations))
         return simulation
 
     @property
@@ -288,7 +350,7 @@ class TimeStepping(Named):
         return self._simulation is not None
 
     @property
-    def trajectory(self) -> Trajectory:
+    def trajectory(self) -> Trajectory | FirstOrderTrajectory:
         """What was recorded, every step of it, as `saltus.kernel.TimeStepping` does."""
         return (self._simulation or self._start()).trajectory
 
