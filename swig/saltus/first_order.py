@@ -1,12 +1,12 @@
 """Nonsmooth first-order systems: circuits with ideal diodes, relays, switched feedback.
 
-M ẋ = f(t, x) + r, y = h(t, x, λ), r = g(t, x, λ), and a law between y and λ: see docs/first-order.md. All names
-are those of `saltus.kernel` as well.
+M ẋ = f(t, x) + r, y = h(t, x, λ), r = g(t, x, λ), and a law between y and λ: see docs/first-order.md.
+All names are those of `saltus.kernel` as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from numbers import Real
 from typing import Any
@@ -70,15 +70,15 @@ def MixedComplementarityConditionNSL(equalities: int, inequalities: int) -> BoxL
 class EulerMoreauOSI:
     """The scheme of Euler and Moreau.
 
-    M (x⁺ − x) = Δt (θ f(t⁺, x⁺) + (1−θ) f(t, x)) + Δt (γ r⁺ + (1−γ) r), with y⁺ = h(t⁺, x⁺, λ⁺), r⁺ = g(t⁺, x⁺, λ⁺)
-    and the law between y⁺ and λ⁺.
+    M (x⁺ − x) = Δt (θ f(t⁺, x⁺) + (1−θ) f(t, x)) + Δt (γ r⁺ + (1−γ) r), with y⁺ = h(t⁺, x⁺, λ⁺),
+    r⁺ = g(t⁺, x⁺, λ⁺) and the law between y⁺ and λ⁺.
 
     Parameters
     ----------
     theta : θ in [0, 1], weight of f at the end of the step; ½ is of second order where λ is smooth
     gamma : γ in [0, 1], weight of r likewise
-    gamma_for_relation : γ is that of the relation instead: r⁺ has the weight 1, and the law holds between λ⁺ and
-        h(t⁺, γ x⁺ + (1−γ) x, λ⁺)
+    gamma_for_relation : γ is that of the relation instead: r⁺ has the weight 1, and the law holds between
+        λ⁺ and h(t⁺, γ x⁺ + (1−γ) x, λ⁺)
     """
 
     theta: float = 1.0
@@ -103,7 +103,7 @@ class FirstOrderSystem(_core.FirstOrderSystemBase):
 
     def __init__(
         self,
-        systems: list[FirstOrderNonLinearDS],
+        systems: Sequence[FirstOrderNonLinearDS],
         t0: float = 0.0,
         *,
         parameters: Mapping[str, Any] | None = None,
@@ -146,8 +146,8 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     Raises
     ------
     ValueError
-        If Δt is not positive and finite, a weight is outside [0, 1], the solver is unknown or cannot take the model,
-        or f, y or r is not finite at t0.
+        If Δt is not positive and finite, a weight is outside [0, 1], the solver is unknown or cannot take the
+        model, or f, y or r is not finite at t0.
     """
 
     def __init__(
@@ -176,7 +176,7 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
         )
         recording = _core.FirstOrderRecording(record_every)
         self.add_observer(recording)
-        self._trajectory = FirstOrderTrajectory(
+        self._trajectory: FirstOrderTrajectory = FirstOrderTrajectory(
             recording,
             FirstOrderLayout(tuple(system.dimensions), tuple(system.interactions)),
             Provenance(

@@ -79,7 +79,7 @@ def test_every_solver_of_the_table_is_one_of_saltus():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: sk.FirstOrderLinearTIDS([1.0], [[1.0]]), "first-order systems are not there"),
+        (lambda: sk.ZeroOrderHoldOSI(), "not there, EulerMoreauOSI is"),
         (lambda: sk.Hem5OSI(), "not there; LsodarOSI and HalfExplicit"),
         (lambda: sk.LagrangianScleronomousR("Plug:h", "Plug:G"), "plugins are not there"),
         (lambda: sk.LCP(9999), "solver 9999 is not there, there are SICONOS_MLCP_PGS = 100"),

@@ -16,7 +16,21 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
 
 # Not moving_floor.py and rod.py: from Python, Siconos 4.4 has no hDot() to write into, and no Equality.
 @pytest.mark.parametrize(
-    "name", ["bouncing_ball", "driven_ball", "friction_oscillator", "pendulum", "two_balls", "problems"]
+    "name",
+    [
+        "bouncing_ball",
+        "diode_bridge",
+        "driven_ball",
+        "driven_rectifier",
+        "filtered_bridge",
+        "friction_oscillator",
+        "nonlinear_relay",
+        "pendulum",
+        "problems",
+        "relay_oscillator",
+        "spiral_relays",
+        "two_balls",
+    ],
 )
 def test_a_script_gives_the_numbers_of_siconos(name, tmp_path):
     script = SCRIPTS / f"{name}.py"

@@ -1,7 +1,7 @@
 """Runs of first-order models as numpy arrays, in HDF5 files and as CSV.
 
-An HDF5 file has the attributes `saltus_first_order` = 1, `layout` and `provenance` (JSON), and a dataset for each
-column, (rows, ...).
+An HDF5 file has the attributes `saltus_first_order` = 1, `layout` and `provenance` (JSON), and a dataset for
+each column, (rows, ...).
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ class FirstOrderLayout:
 class FirstOrderTrajectory:
     """A run of a first-order model: row 0 is the initial state with λ = 0, row k the step that ends at t[k].
 
-    ``trajectory["diodes"]`` has y and λ of the interaction of that name. While a simulation goes on, its trajectory
-    grows with it.
+    ``trajectory["diodes"]`` has y and λ of the interaction of that name. While a simulation goes on, its
+    trajectory grows with it.
     """
 
     def __init__(self, source: Rows, layout: FirstOrderLayout, provenance: Provenance) -> None:
@@ -138,7 +138,10 @@ class FirstOrderTrajectory:
         return self._float("residual")
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
-        """Write all columns; an existing file is replaced as a whole. Raises OSError if it cannot be written."""
+        """Write all columns; an existing file is replaced as a whole.
+
+        Raises OSError if it cannot be written.
+        """
         new = NewFile(path)
         try:
             with h5py.File(new.part, "w") as file:
@@ -157,8 +160,8 @@ class FirstOrderTrajectory:
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns as text (RFC 4180), an existing file is replaced as a whole.
 
-        Names are ``t [s],step [1],x0,...,r0,...,diodes.y0,...,diodes.lambda0,...``. Numbers read back are the same to
-        the last bit. Raises OSError if it cannot be written.
+        Names are ``t [s],step [1],x0,...,r0,...,diodes.y0,...,diodes.lambda0,...``. Numbers read back are the
+        same to the last bit. Raises OSError if it cannot be written.
         """
         columns = [self.columns()[name] for name in COLUMNS]
         new = NewFile(path)

@@ -179,7 +179,10 @@ class FirstOrderNonLinearDS(Named):
         methods: dict[str, Callable[..., None]] = {"f": self._write_f}
         if self.overrides("computeJacobianfx"):
             methods["jacobian"] = self._write_jacobian
-        return _derived(native.FirstOrderNonLinearDS, methods)(self._x0, self._M)
+        made: native.FirstOrderNonLinearDS = _derived(native.FirstOrderNonLinearDS, methods)(
+            self._x0, self._M
+        )
+        return made
 
     def _write_f(self, t: float, x: FloatArray, out: FloatArray) -> None:
         self.computef(t, x)
@@ -270,7 +273,10 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
             _freeze(self._b)
         if not methods:
             return native.FirstOrderLinearTIDS(self._x0, self._A, self._b, self._M)
-        return _derived(native.FirstOrderLinearDS, methods)(self._x0, self._A, self._b, self._M)
+        made: native.FirstOrderNonLinearDS = _derived(native.FirstOrderLinearDS, methods)(
+            self._x0, self._A, self._b, self._M
+        )
+        return made
 
     def _write_A(self, t: float, out: FloatArray) -> None:
         self.computeA(t)
@@ -289,7 +295,10 @@ class FirstOrderLinearTIDS(FirstOrderLinearDS):
 
 
 class FirstOrderR(Named):
-    """What relations y = h(t, x, λ), r = g(t, x, λ) have in common: C = ∂h/∂x, D = ∂h/∂λ, K = ∂g/∂x, B = ∂g/∂λ."""
+    """What relations y = h(t, x, λ), r = g(t, x, λ) have in common.
+
+    C = ∂h/∂x, D = ∂h/∂λ, K = ∂g/∂x, B = ∂g/∂λ.
+    """
 
     def __init__(self) -> None:
         self._matrices: dict[str, FloatArray] = {}
@@ -300,23 +309,23 @@ class FirstOrderR(Named):
         return self._matrices.get("C")
 
     def D(self) -> FloatArray | None:
-        """(rows, rows)"""
+        """(rows, rows)."""
         return self._matrices.get("D")
 
     def F(self) -> FloatArray | None:
-        """(rows, entries of z): y = ... + F z"""
+        """(rows, entries of z), y = ... + F z."""
         return self._matrices.get("F")
 
     def B(self) -> FloatArray | None:
-        """(n, rows)"""
+        """(n, rows)."""
         return self._matrices.get("B")
 
     def K(self) -> FloatArray | None:
-        """(n, n)"""
+        """(n, n)."""
         return self._matrices.get("K")
 
     def e(self) -> FloatArray | None:
-        """(rows,)"""
+        """(rows,)."""
         return self._e
 
     def setCPtr(self, C: Any) -> None:
@@ -324,6 +333,8 @@ class FirstOrderR(Named):
 
     def setDPtr(self, D: Any) -> None:
         self._matrices["D"] = _dense(D, "D")
+
+    setConstantD = setDPtr  # of later versions
 
     def setFPtr(self, F: Any) -> None:
         self._matrices["F"] = _dense(F, "F")
@@ -389,13 +400,13 @@ class FirstOrderLinearR(FirstOrderR):
         """To be overridden, likewise the next ones."""
 
     def computeD(self, time: float, z: FloatArray, D: FloatArray) -> None:
-        """(rows, rows)"""
+        """(rows, rows)."""
 
     def computeB(self, time: float, z: FloatArray, B: FloatArray) -> None:
-        """(n, rows)"""
+        """(n, rows)."""
 
     def computee(self, time: float, z: FloatArray, e: FloatArray) -> None:
-        """(rows,)"""
+        """(rows,)."""
 
     def native(self, rows: int, z: FloatArray) -> native.FirstOrderNonLinearR:
         constant = self._F_times(rows, z)
@@ -411,10 +422,9 @@ class FirstOrderLinearR(FirstOrderR):
             _freeze(self._e)
             if self._e is not None:
                 constant = self._e if constant is None else self._e + constant
-        terms = self.C(), self.B(), self.D(), constant
-        if not methods:
-            return native.FirstOrderLinearTIR(*terms)
-        return _derived(native.FirstOrderLinearR, methods)(*terms)
+        base: Any = _derived(native.FirstOrderLinearR, methods) if methods else native.FirstOrderLinearTIR
+        made: native.FirstOrderNonLinearR = base(self.C(), self.B(), self.D(), constant)
+        return made
 
     def _F_times(self, rows: int, z: FloatArray) -> FloatArray | None:
         """F z, None if there is no F."""
@@ -452,8 +462,8 @@ class FirstOrderNonLinearR(FirstOrderR):
         def computeJacgx(self, time, x, l, z, K): ...
         def computeJacglambda(self, time, x, l, z, B): ...
 
-    x is [x1; x2] between two systems. A derivative that is set, setCPtr() and so on, is not asked for; one that is
-    neither set nor defined is found by differences.
+    x is [x1; x2] between two systems. A derivative that is set, setCPtr() and so on, is not asked for; one
+    that is neither set nor defined is found by differences.
 
     Raises NotImplementedError for "Plugin:function".
     """
@@ -498,18 +508,25 @@ class FirstOrderNonLinearR(FirstOrderR):
                 methods[method] = constant(self._matrices[entry])
             elif hasattr(type(self), compute):
                 methods[method] = caller(compute)
-        return _derived(native.FirstOrderNonLinearR, methods)(rows)
+        made: native.FirstOrderNonLinearR = _derived(native.FirstOrderNonLinearR, methods)(rows)
+        return made
 
 
 class FirstOrderType1R(FirstOrderNonLinearR):
-    """y = h(t, x), r = g(t, λ): computeh(time, x, z, y), computeg(time, l, z, r), and their derivatives likewise."""
+    """y = h(t, x), r = g(t, λ).
+
+    computeh(time, x, z, y), computeg(time, l, z, r), and their derivatives likewise.
+    """
 
     def arguments(self, method: str, x: FloatArray, lam: FloatArray, z: FloatArray) -> tuple[FloatArray, ...]:
         return (x, z) if method in ("computeh", "computeJachx") else (lam, z)
 
 
 class FirstOrderType2R(FirstOrderNonLinearR):
-    """y = h(t, x, λ), r = g(t, λ): computeh(time, x, l, y), computeg(time, l, r), and their derivatives likewise."""
+    """y = h(t, x, λ), r = g(t, λ).
+
+    computeh(time, x, l, y), computeg(time, l, r), and their derivatives likewise.
+    """
 
     def arguments(self, method: str, x: FloatArray, lam: FloatArray, z: FloatArray) -> tuple[FloatArray, ...]:
         return (lam,) if method in ("computeg", "computeJacglambda") else (x, lam)
@@ -592,14 +609,14 @@ class EulerMoreauOSI(Named):
         self._gamma, self._useGamma = float(gamma), True
 
     def useGamma(self) -> bool:
-        """Is gamma the weight of r?"""
+        """Say whether gamma is the weight of r."""
         return self._useGamma
 
     def setUseGamma(self, use: bool) -> None:
         self._useGamma = bool(use)
 
     def useGammaForRelation(self) -> bool:
-        """Is gamma the weight of x in the relation instead?"""
+        """Say whether gamma is the weight of x in the relation instead."""
         return self._useGammaForRelation
 
     def setUseGammaForRelation(self, use: bool) -> None:

@@ -224,17 +224,17 @@ class Interaction(Named):
     Raises TypeError if the arguments are not a law and a relation of this package that go together.
     """
 
-    def __init__(self, law: NonSmoothLaw | FirstOrderLaw, relation: Relation | FirstOrderR) -> None:
+    def __init__(self, law: Any, relation: Any) -> None:
         self.first_order = isinstance(relation, FirstOrderR)
         laws = (FirstOrderLaw, EqualityConditionNSL) if self.first_order else NonSmoothLaw
         if not isinstance(law, laws) or not isinstance(relation, Relation | FirstOrderR):
             got = f"{type(law).__name__}, {type(relation).__name__}"
-            raise TypeError(f"an Interaction takes a law and a relation that go together, got {got}")
+            raise TypeError(f"an Interaction takes a law and a relation, got {got}: they must go together")
         self._law, self._relation = law, relation
         self._number = next(_numbers)
         rows = law.size()
         #: kept by the simulation: y(0), y(1), lambda_(1), lambda_(2), of first-order systems y(0), lambda_(0)
-        self.live: tuple[FloatArray, ...]
+        self.live: Any
         if self.first_order:
             self.live = np.zeros(rows), np.zeros(rows)
         else:
@@ -269,15 +269,15 @@ class Interaction(Named):
             raise NotThere(f"{there} {'is' if len(levels) == 1 else 'are'} there, got {name}({level})")
         return levels[level]
 
-    def nonSmoothLaw(self) -> NonSmoothLaw | FirstOrderLaw:
+    def nonSmoothLaw(self) -> Any:
         return self._law
 
-    def relation(self) -> Relation | FirstOrderR:
+    def relation(self) -> Any:
         return self._relation
 
     def dimension(self) -> int:
         """Number of rows."""
-        return self._law.size()
+        return int(self._law.size())
 
     def number(self) -> int:
         """Of all interactions that were ever made."""

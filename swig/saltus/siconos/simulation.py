@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -67,14 +67,15 @@ class NonSmoothDynamicalSystem(Named):
 
     def __init__(self, t0: float, T: float) -> None:
         self._t0, self._T = float(t0), float(T)
-        self.systems: list[System] = []
-        self.links: list[tuple[Interaction, System, System | None]] = []
+        self.systems: list[Any] = []  # of one kind where a simulation is made
+        self.links: list[tuple[Interaction, Any, Any]] = []
 
     def insertDynamicalSystem(self, ds: System) -> None:
         """Raises TypeError if it is no system of this package."""
         if not isinstance(ds, System):
             raise TypeError(
-                f"expected a LagrangianDS, a FirstOrderNonLinearDS or one derived from them, got {type(ds).__name__}"
+                "expected a LagrangianDS, a FirstOrderNonLinearDS or one derived from them, "
+                f"got {type(ds).__name__}"
             )
         self.systems.append(ds)
 
@@ -109,7 +110,7 @@ class NonSmoothDynamicalSystem(Named):
     def setT(self, T: float) -> None:
         self._T = float(T)
 
-    def dynamicalSystem(self, number: int) -> System:
+    def dynamicalSystem(self, number: int) -> Any:
         """The one that has this number(). Raises ValueError if there is none."""
         for ds in self.systems:
             if ds.number() == number:

@@ -22,9 +22,7 @@ diode = sk.Interaction(sk.ComplementarityConditionNSL(1), relation)
 model = sk.NonSmoothDynamicalSystem(t0, T)
 model.insertDynamicalSystem(circuit)
 model.link(diode, circuit)
-simulation = sk.TimeStepping(
-    model, sk.TimeDiscretisation(t0, h), sk.EulerMoreauOSI(0.5, 0.75), sk.LCP()
-)
+simulation = sk.TimeStepping(model, sk.TimeDiscretisation(t0, h), sk.EulerMoreauOSI(0.5, 0.75), sk.LCP())
 
 N = int(round((T - t0) / h))
 dataPlot = np.zeros((N, 5))

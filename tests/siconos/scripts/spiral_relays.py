@@ -15,9 +15,7 @@ relays = sk.Interaction(law, relation)
 model = sk.NonSmoothDynamicalSystem(t0, T)
 model.insertDynamicalSystem(process)
 model.link(relays, process)
-simulation = sk.TimeStepping(
-    model, sk.TimeDiscretisation(t0, h), sk.EulerMoreauOSI(1.0), sk.Relay()
-)
+simulation = sk.TimeStepping(model, sk.TimeDiscretisation(t0, h), sk.EulerMoreauOSI(1.0), sk.Relay())
 
 N = int(round((T - t0) / h))
 dataPlot = np.zeros((N + 1, 7))
