@@ -142,6 +142,8 @@ class EventDriven(TimeStepping):
 
     def _take_step(self) -> None:
         simulation = self._simulation or self._start()
+        if not isinstance(simulation, native.TimeStepping):
+            raise NotThere("event-driven simulations are of mechanical systems, TimeStepping takes all")
         self._pending = []
         for _ in range(self._substeps):
             simulation.step()

@@ -230,7 +230,8 @@ class Interaction(Named):
         if not isinstance(law, laws) or not isinstance(relation, Relation | FirstOrderR):
             got = f"{type(law).__name__}, {type(relation).__name__}"
             raise TypeError(f"an Interaction takes a law and a relation, got {got}: they must go together")
-        self._law, self._relation = law, relation
+        self._law: Any = law
+        self._relation: Any = relation
         self._number = next(_numbers)
         rows = law.size()
         #: kept by the simulation: y(0), y(1), lambda_(1), lambda_(2), of first-order systems y(0), lambda_(0)
@@ -238,7 +239,8 @@ class Interaction(Named):
         if self.first_order:
             self.live = np.zeros(rows), np.zeros(rows)
         else:
-            gaps = rows if law.native.bilateral else 1
+            unilateral = not isinstance(law, EqualityConditionNSL)
+            gaps = 1 if unilateral else rows
             self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
         seen = [read_only(array) for array in self.live]
         outputs = len(seen) // 2
@@ -286,9 +288,9 @@ class Interaction(Named):
     def display(self) -> None:
         """Print what it is."""
         law, relation = type(self._law).__name__, type(self._relation).__name__
-        y, ydot, impulse, force = self.live
-        print(f"Interaction {self._number}, {law}, {relation}: y(0) = {y}, y(1) = {ydot}, ", end="")
-        print(f"lambda_(1) = {impulse}, lambda_(2) = {force}")
+        values = [f"y({k}) = {array}" for k, array in self._outputs.items()]
+        values += [f"lambda_({k}) = {array}" for k, array in self._multipliers.items()]
+        print(f"Interaction {self._number}, {law}, {relation}: {', '.join(values)}")
 
     def native(self, freedoms: int) -> native.Interaction:
         """The interaction of Saltus on systems that have that many freedoms together."""
