@@ -102,8 +102,12 @@ ValueError
       .def_property_readonly("v0",
                              [](py::object self) { return to_array(initialised<LagrangianDS>(self).v0()); });
 
-  py::classh<LagrangianLinearTIDS, LagrangianDS>(module, "LagrangianLinearTIDS", py::is_final(),
-                                                 R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
+  py::classh<LagrangianLinearTIDS, LagrangianDS, PyLagrangianLinearTIDS>(
+      module, "LagrangianLinearTIDS", R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
+
+A force that varies with time is a method of a derived class, in the place of external_force:
+
+    def external_force(self, t, out): ...   # out (n,): f(t) [N], zero at the call
 
 Parameters
 ----------
@@ -119,7 +123,8 @@ once, by a method that fits their structure: banded, by minimum degree, or unsym
 Raises
 ------
 ValueError
-    If shapes disagree, a value is not finite, or mass is not symmetric positive definite.
+    If shapes disagree, a value is not finite, or mass is not symmetric positive definite. A force that is given
+    twice is found by the simulation.
 )")
       .def(py::init([](const ArrayLike& q0, const ArrayLike& v0, const ArrayLike& mass,
                        const std::optional<ArrayLike>& stiffness, const std::optional<ArrayLike>& damping,
@@ -127,8 +132,8 @@ ValueError
              LagrangianLinearTIDS::Terms terms{optional_term(stiffness, "stiffness"),
                                                optional_term(damping, "damping"), std::nullopt};
              if (external_force) terms.external_force = to_vec(*external_force, "external_force");
-             return std::make_unique<LagrangianLinearTIDS>(to_vec(q0, "q0"), to_vec(v0, "v0"),
-                                                           to_term(mass, "mass"), std::move(terms));
+             return std::make_unique<PyLagrangianLinearTIDS>(to_vec(q0, "q0"), to_vec(v0, "v0"),
+                                                             to_term(mass, "mass"), std::move(terms));
            }),
            py::arg("q0"), py::arg("v0"), py::arg("mass"), py::arg("stiffness") = py::none(),
            py::arg("damping") = py::none(), py::arg("external_force") = py::none());

@@ -188,19 +188,38 @@ void PyLagrangianDS::normalise(Out q) const {
   normalise_.fill(nullptr, {before.data(), before.size()}, nullptr, q.data(), {q.size()}, before.data());
 }
 
+namespace {
+
 // Methods of other classes would have no effect.
-void PyNewtonEulerDS::refuse_methods() const {
-  for (const char* name : {"forces", "mass", "force_jacobians", "velocity_map", "normalise"})
-    if (CachedMethod method(name); find(method))
-      throw std::invalid_argument(
-          method.full_name() +
-          " is not asked for: loads of a rigid body are force, moment, body_force and "
-          "body_moment");
+template <class Class>
+void refuse_methods(const Class* object, std::initializer_list<const char*> names, const char* asked_for) {
+  for (const char* name : names)
+    if (CachedMethod method(name); method.find<Class>(object))
+      throw std::invalid_argument(method.full_name() + " is not asked for: " + asked_for);
+}
+
+}  // namespace
+
+bool PyLagrangianLinearTIDS::driven() const {
+  if (!looked_at_)
+    refuse_methods<LagrangianLinearTIDS>(
+        this, {"forces", "mass", "force_jacobians", "velocity_map", "normalise", "potential_energy"},
+        "what varies in a linear system is external_force");
   looked_at_ = true;
+  return external_force_.find<LagrangianLinearTIDS>(this);
+}
+
+void PyLagrangianLinearTIDS::external_force(double t, Out f) const {
+  if (!driven()) return LagrangianLinearTIDS::external_force(t, f);
+  external_force_.forbid(has_external_force());
+  external_force_.fill_at(t, f.data(), {f.size()});
 }
 
 void PyNewtonEulerDS::loads(double t, const In& q, const In& v, BodyLoads& loads) const {
-  if (!looked_at_) refuse_methods();
+  if (!looked_at_)
+    refuse_methods<NewtonEulerDS>(this, {"forces", "mass", "force_jacobians", "velocity_map", "normalise"},
+                                  "loads of a rigid body are force, moment, body_force and body_moment");
+  looked_at_ = true;
   const auto take = [&](CachedMethod& method, Vec3& load) {
     if (!find(method)) return;
     method.forbid(!load.isZero(0.0));

@@ -9,6 +9,7 @@
 #include "saltus/kernel/model/bodies/newton_euler_ds.hpp"
 #include "saltus/kernel/model/force_law.hpp"
 #include "saltus/kernel/model/function_models.hpp"
+#include "saltus/kernel/model/lagrangian_linear_tids.hpp"
 
 namespace saltus::python {
 
@@ -117,6 +118,19 @@ class PyLagrangianDS final : public FunctionDS, public py::trampoline_self_life_
       potential_energy_{"potential_energy"}, velocity_map_{"velocity_map"}, normalise_{"normalise"};
 };
 
+/// A linear system whose force is a method of a Python class.
+class PyLagrangianLinearTIDS final : public LagrangianLinearTIDS, public py::trampoline_self_life_support {
+ public:
+  using LagrangianLinearTIDS::LagrangianLinearTIDS;
+
+ private:
+  void external_force(double t, Out f) const override;
+  bool driven() const override;
+
+  mutable bool looked_at_ = false;
+  mutable CachedMethod external_force_{"external_force"};
+};
+
 /// A rigid body whose varying loads are methods of a Python class.
 class PyNewtonEulerDS final : public NewtonEulerDS, public py::trampoline_self_life_support {
  public:
@@ -127,7 +141,6 @@ class PyNewtonEulerDS final : public NewtonEulerDS, public py::trampoline_self_l
 
  private:
   bool find(CachedMethod& method) const { return method.find<NewtonEulerDS>(this); }
-  void refuse_methods() const;
 
   mutable bool looked_at_ = false;
   mutable CachedMethod force_{"force"}, moment_{"moment"}, body_force_{"body_force"},

@@ -61,8 +61,12 @@ void LagrangianLinearTIDS::mass(const In&, OutMatrix M) const {
     M = std::get<DenseTerms>(matrices_).mass;
 }
 
-void LagrangianLinearTIDS::forces(double, const In& q, const In& v, Out h) const {
-  if (external_force_) h = *external_force_;
+void LagrangianLinearTIDS::external_force(double, Out f) const {
+  if (external_force_) f = *external_force_;
+}
+
+void LagrangianLinearTIDS::forces(double t, const In& q, const In& v, Out h) const {
+  external_force(t, h);
   if (const auto* sparse = sparse_terms()) {
     sparse->stiffness.add_product(-1.0, q.data(), h.data());
     sparse->damping.add_product(-1.0, v.data(), h.data());
@@ -88,7 +92,7 @@ bool LagrangianLinearTIDS::force_jacobians(double, const In&, const In&, OutMatr
 
 double LagrangianLinearTIDS::potential_energy(const In& q) const {
   double energy = 0.0;
-  if (external_force_) energy -= external_force_->dot(q);
+  if (external_force_ && !driven()) energy -= external_force_->dot(q);
   if (const auto* sparse = sparse_terms())
     energy += 0.5 * sparse->stiffness.form(q.data());
   else if (const auto& stiffness = std::get<DenseTerms>(matrices_).stiffness)

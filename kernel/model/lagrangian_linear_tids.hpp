@@ -6,9 +6,10 @@
 
 namespace saltus {
 
-/// Linear time-invariant system: M v̇ + C v + K q = f + W λ. If one of the matrices is sparse, none is stored
+/// Linear time-invariant system: M v̇ + C v + K q = f + W λ, with a force f that is constant, or, in a derived
+/// class, a function of time. If one of the matrices is sparse, none is stored
 /// densely, and a step costs what their non-zeros cost.
-class LagrangianLinearTIDS final : public LagrangianDS {
+class LagrangianLinearTIDS : public LagrangianDS {
  public:
   using Term = std::variant<Matrix, Eigen::SparseMatrix<double>>;  ///< (n, n)
 
@@ -33,8 +34,15 @@ class LagrangianLinearTIDS final : public LagrangianDS {
   bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const override;
   bool time_invariant() const override { return true; }
   const SparseTerms* sparse_terms() const override { return std::get_if<SparseTerms>(&matrices_); }
-  /// ½ qᵀKq − fᵀq
+  /// ½ qᵀKq − fᵀq, without the second term if f is a function of time
   double potential_energy(const In& q) const override;
+
+ protected:
+  /// f(t). @param[in,out] f  (n) [N], zero at the call
+  virtual void external_force(double t, Out f) const;
+  /// Is f a function of time?
+  virtual bool driven() const { return false; }
+  bool has_external_force() const { return external_force_.has_value(); }
 
  private:
   struct DenseTerms {

@@ -136,7 +136,6 @@ class NewtonEulerDS(LagrangianDS):
 
 def rotation_matrix(quaternion: ArrayLike) -> FloatArray: ...
 
-@final
 class LagrangianLinearTIDS(LagrangianDS):
     def __init__(
         self,

@@ -29,6 +29,7 @@ from saltus.examples.rolling_sphere import rolling_sphere
 from saltus.examples.rotor import rotor
 from saltus.examples.slider_crank import slider_crank
 from saltus.examples.woodpecker import woodpecker
+from saltus.siconos.script import compose, is_script
 
 
 @dataclass(frozen=True)
@@ -198,7 +199,8 @@ def model(name: str | os.PathLike[str]) -> Model:
     Parameters
     ----------
     name : in the table; "file.py" or "package.module" with ``build() -> NonSmoothDynamicalSystem`` and, if
-        wanted, TIME_STEP [s], UNTIL [s] and REFERENCE ("INTEGRATOR@DT"); "library:function" of a plugin
+        wanted, TIME_STEP [s], UNTIL [s] and REFERENCE ("INTEGRATOR@DT"); "library:function" of a plugin; the
+        file of a script for Siconos, whose first simulation is taken
 
     Raises
     ------
@@ -208,6 +210,8 @@ def model(name: str | os.PathLike[str]) -> Model:
     text = os.fspath(name)
     if text in MODELS:
         return MODELS[text]
+    if text.endswith(".py") and is_script(text):
+        return _of_script(text)
     module = registry.load_module(text)
     if module is not None:
         return _of_module(text, module)
@@ -218,6 +222,19 @@ def model(name: str | os.PathLike[str]) -> Model:
         f"no model named '{text}', there are {', '.join(MODELS)}; a file must end in .py, a plugin be named "
         "library:function"
     )
+
+
+def _of_script(text: str) -> Model:
+    """Every build() runs the script anew up to its first step, as its systems carry their state."""
+    simulation = compose(text)
+    nsds = simulation.nonSmoothDynamicalSystem()
+    if nsds.first_order:
+        raise ValueError(f"'{text}' is of first order, expected a mechanical model: run it by `saltus run`")
+
+    def build_it() -> NonSmoothDynamicalSystemBase:
+        return compose(text).nonSmoothDynamicalSystem().native()
+
+    return Model(text, "script for Siconos", build_it, simulation.timeStep(), nsds.finalT())
 
 
 def _of_module(text: str, module: ModuleType) -> Model:

@@ -305,8 +305,8 @@ def test_options_are_keywords_or_stand_in_order():
     half = sk.TimeStepping(ball(), "MoreauJeanOSI", 1e-2).run(1.0)
     np.testing.assert_array_equal(by_name.q, in_order.q)
     assert np.abs(by_name.q - half.q).max() > 1e-3
-    with pytest.raises(TypeError, match="takes 1 options, got 2"):
-        sk.MoreauJeanOSI(0.5, 1.0)
+    with pytest.raises(TypeError, match="takes 2 options, got 3"):
+        sk.MoreauJeanOSI(0.5, 0.5, 1.0)
     with pytest.raises(TypeError, match="theta is given twice"):
         sk.MoreauJeanOSI(0.5, theta=1.0)
 

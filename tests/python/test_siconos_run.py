@@ -6,7 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import saltus.kernel as native
+from saltus.compare import compare
 from saltus.io import read_hdf5
+from saltus.models import model
+from saltus.siconos.script import is_script
 
 SALTUS = Path(sys.executable).parent / "saltus"
 SCRIPTS = Path(__file__).parents[1] / "siconos" / "scripts"
@@ -103,3 +107,43 @@ def test_a_step_that_does_not_divide_the_scripts_is_refused(tmp_path):
     result = saltus(BALL, "--time-step", "0.003", cwd=tmp_path)
     assert result.returncode == 1
     assert "must be a whole fraction of the script's, 0.005 s, got 0.003 s" in result.stderr
+
+
+def test_a_script_is_a_model_to_compare():
+    """A rod that swings has a closed solution: the coarse scheme of the script is far from it."""
+    script = SCRIPTS / "rod.py"
+    found = model(script)
+    assert (found.time_step, found.until) == (1e-3, 2.0)
+    result = compare(script, ["HalfExplicitTrapezoidalOSI"], until=0.5, timings=0)
+    moreau, half = result.rows
+    assert half.error_q < 0.01 * moreau.error_q
+
+
+def test_each_build_starts_where_the_script_does(tmp_path):
+    found = model(BALL)
+    first = native.TimeStepping(found.build(), "MoreauJeanOSI", 5e-3).run(1.0)
+    second = native.TimeStepping(found.build(), "MoreauJeanOSI", 5e-3).run(1.0)
+    np.testing.assert_array_equal(first.q, second.q)
+    assert second.q[0, 0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import siconos.kernel\n", "must simulate something, got to its end without a step"),
+        ("import siconos.kernel\n1 / 0\n", "failed: ZeroDivisionError: division by zero"),
+        ((SCRIPTS / "diode_bridge.py").read_text(), "is of first order, expected a mechanical model"),
+    ],
+)
+def test_what_is_no_model_is_refused(tmp_path, text, message):
+    (tmp_path / "script.py").write_text(text)
+    with pytest.raises(ValueError, match=message):
+        model(tmp_path / "script.py")
+
+
+def test_a_module_with_build_is_no_script(tmp_path):
+    (tmp_path / "module.py").write_text("import siconos.kernel\n\ndef build():\n    return None\n")
+    assert not is_script(tmp_path / "module.py")
+    (tmp_path / "late.py").write_text("def f():\n    from siconos import kernel\n")
+    assert is_script(tmp_path / "late.py")
+    assert not is_script(tmp_path / "none.py")

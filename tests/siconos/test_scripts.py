@@ -18,10 +18,12 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
 @pytest.mark.parametrize(
     "name",
     [
+        "bar",
         "bouncing_ball",
         "diode_bridge",
         "driven_ball",
         "driven_rectifier",
+        "event_driven_ball",
         "filtered_bridge",
         "friction_oscillator",
         "nonlinear_relay",
@@ -29,6 +31,7 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
         "problems",
         "relay_oscillator",
         "spiral_relays",
+        "string",
         "two_balls",
     ],
 )

@@ -146,7 +146,10 @@ def bench_solvers(
 
 ModelArgument = Annotated[
     str,
-    typer.Argument(metavar="MODEL", help="A name (`saltus models`), file.py with build(), library:function."),
+    typer.Argument(
+        metavar="MODEL",
+        help="A name (`saltus models`), file.py with build(), library:function, script for Siconos.",
+    ),
 ]
 Integrators = Annotated[
     str,

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+import io
 import os
 import runpy
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
 from saltus.siconos import simulation
-from saltus.siconos.simulation import Changes
+from saltus.siconos.simulation import Changes, Composed, TimeStepping
 
 _NAMES = {name: f"saltus.{name}" for name in ("siconos", "siconos.kernel", "siconos.numerics")}
 
@@ -50,6 +52,41 @@ def run_script(
             return runpy.run_path(str(file), run_name="__main__")
     finally:
         simulation.change(None)
+
+
+def is_script(path: str | os.PathLike[str]) -> bool:
+    """Say whether a Python file imports siconos, and is no model of Saltus with a ``build()``."""
+    try:
+        tree = ast.parse(Path(path).read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return False
+    imported: list[str] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            imported += [name.name for name in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            imported.append(node.module or "")
+    defined = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    return "build" not in defined and any(name.partition(".")[0] == "siconos" for name in imported)
+
+
+def compose(path: str | os.PathLike[str]) -> TimeStepping:
+    """Run a script until its first simulation would take a step; what it prints is not shown.
+
+    Raises
+    ------
+    ValueError
+        If there is no such file, it ends before, or with an error.
+    """
+    text = os.fspath(path)
+    try:
+        with redirect_stdout(io.StringIO()):
+            run_script(path, Changes(compose=True))
+    except Composed as composed:
+        return composed.simulation
+    except Exception as error:
+        raise ValueError(f"'{text}' failed: {type(error).__name__}: {error}") from error
+    raise ValueError(f"'{text}' must simulate something, got to its end without a step")
 
 
 @contextmanager

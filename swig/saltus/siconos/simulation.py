@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -32,7 +33,21 @@ class Changes:
     solver: str | None = None
     time_step: float | None = None  #: [s]
     until: float | None = None  #: [s]
+    compose: bool = False  #: the first simulation that would take a step raises Composed instead
     simulations: list[TimeStepping] = field(default_factory=list)
+
+
+class Composed(BaseException):
+    """A simulation that would start; no error that a script can catch.
+
+    Parameters
+    ----------
+    simulation : its model is composed, no step is taken
+    """
+
+    def __init__(self, simulation: TimeStepping) -> None:
+        super().__init__()
+        self.simulation = simulation
 
 
 _changes: Changes | None = None
@@ -251,6 +266,7 @@ class TimeStepping(Named):
         self._until: float | None = None
         self._step = 0
         self._computed = False
+        self._driven: list[Any] = []
         self._changes = _changes
         if _changes is not None:
             _changes.simulations.append(self)
@@ -304,6 +320,8 @@ class TimeStepping(Named):
 
     def _start(self) -> native.TimeStepping | native.FirstOrderTimeStepping:
         changes = self._changes or Changes()
+        if changes.compose:
+            raise Composed(self)
         integrator = changes.integrator or self._osi
         solver = changes.solver or self._problem.method
         tolerance = float(self._problem.numericsSolverOptions().dparam[SICONOS_DPARAM_TOL])
@@ -323,6 +341,7 @@ class TimeStepping(Named):
         simulation = native.TimeStepping(
             self._nsds.native(), integrator, dt, solver=solver, tolerance=tolerance
         )
+        self._driven = [ds for ds in self._nsds.systems if ds.driven]
         systems = [ds.live for ds in self._nsds.systems]
         contacts = [interaction.live for interaction, _, _ in self._nsds.links]
         simulation.add_observer(LiveState(systems, contacts, dt, self._substeps))
@@ -375,6 +394,8 @@ class TimeStepping(Named):
             return
         simulation = self._simulation or self._start()
         for _ in range(self._substeps):
+            for ds in self._driven:  # the state has moved on
+                ds.evaluated_at = math.nan
             simulation.step()
         self._computed = True
 

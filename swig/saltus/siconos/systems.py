@@ -135,6 +135,11 @@ class DynamicalSystem(Named):
     def boundaryConditions(self) -> BoundaryCondition | None:
         return self._boundary
 
+    @property
+    def driven(self) -> bool:
+        """Say whether a force that is an override looks at the state at the start of a step."""
+        return False
+
     def held(self) -> native.Interaction | None:
         """The boundary condition as a bilateral constraint: q_i stays what it is.
 
@@ -216,6 +221,7 @@ class LagrangianDS(DynamicalSystem):
         self._C: Matrix | None = None
         self._fExt: FloatArray | None = None
         self._fInt: FloatArray | None = None
+        self.evaluated_at = np.nan  #: [s] time of fExt() in a simulation
         self._fGyr: FloatArray | None = None
         self._forces: FloatArray | None = None
         self._acceleration = np.zeros(self.dimension())
@@ -363,7 +369,7 @@ class LagrangianDS(DynamicalSystem):
         if self.overrides("computeFInt", "computeFGyr"):
             return _Nonlinear(self, to_dense(self.mass()))
         if self.overrides("computeFExt"):
-            return _Driven(self)
+            return _DrivenLinear(self) if self.isLinear() else _Driven(self)
         force = self.fExt() - self.fInt() - self.fGyr()
         return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
 
@@ -413,6 +419,10 @@ class LagrangianLinearTIDS(LagrangianDS):
 
     def isLinear(self) -> bool:
         return True
+
+    @property
+    def driven(self) -> bool:
+        return self.overrides("computeFExt")
 
     def K(self) -> Matrix | None:
         return self._K
@@ -472,16 +482,30 @@ class _VaryingMass(_Nonlinear):
         out[:] = self.ds.mass()
 
 
+class _DrivenLinear(native.LagrangianLinearTIDS):
+    """An external force by override, all else linear. It may look at the state at the start of the step."""
+
+    def __init__(self, ds: LagrangianDS) -> None:
+        super().__init__(*ds.start(), ds.mass(), ds._K, ds._C)
+        self._ds = ds
+        self._constant = ds.fInt() + ds.fGyr()
+        self._plain = not self._constant.any()
+
+    def external_force(self, t: float, out: FloatArray) -> None:
+        ds = self._ds
+        if t != ds.evaluated_at:  # schemes ask twice at the end of a step
+            ds.evaluated_at = t
+            ds.computeFExt(t)
+        out[:] = ds._fExt
+        if not self._plain:
+            out -= self._constant
+
+
 class _Driven(_Nonlinear):
-    """An external force by override, all else linear: the derivatives are known."""
+    """An external force by override, a constant mass: that forces have no derivatives is known."""
 
     def __init__(self, ds: LagrangianDS) -> None:
         super().__init__(ds, to_dense(ds.mass()))
-        self._jacobians = np.zeros((2, ds.dimension(), ds.dimension()))
-        for k, matrix in enumerate((ds._K, ds._C)):
-            if matrix is not None:
-                self._jacobians[k] = -to_dense(matrix)
-        self._linear = bool(self._jacobians.any())
         self._q, self._v, _, _ = ds.live
         constant = ds.fInt() + ds.fGyr()
         self._constant = constant if constant.any() else None
@@ -495,10 +519,6 @@ class _Driven(_Nonlinear):
         out[:] = ds._fExt
         if self._constant is not None:
             out -= self._constant
-        if self._linear:
-            out += self._jacobians[0] @ q
-            out += self._jacobians[1] @ v
 
     def force_jacobians(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
-        if self._linear:
-            out[:] = self._jacobians
+        """Zero, as it is at the call."""
