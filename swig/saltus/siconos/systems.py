@@ -378,26 +378,18 @@ class LagrangianDS(DynamicalSystem):
         return self.live[0].copy(), self.live[1].copy()
 
     def evaluate_forces(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
-        """(n,) as write_forces(); the state stays what it is."""
-        kept, out = self.start(), np.zeros(self.dimension())
-        self.write_forces(t, q, v, out)
-        self.live[0][:], self.live[1][:] = kept
-        return out
-
-    def write_forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
-        """h(t, q, v) of the overrides and the constants; meanwhile q() and velocity() are these."""
-        self.live[0][:] = q
-        self.live[1][:] = v
+        """(n,) forces() of the overrides and the constants; meanwhile q() and velocity() are these."""
+        kept = self.start()
+        self.live[0][:], self.live[1][:] = q, v
         self.computeFExt(t)
         self.computeFInt(t, q, v)
         self.computeFGyr(q, v)
-        out[:] = self.fExt()
-        out -= self.fInt()
-        out -= self.fGyr()
-        if self._K is not None:
-            out -= self._K @ q
-        if self._C is not None:
-            out -= self._C @ v
+        self.live[0][:], self.live[1][:] = kept
+        total = self.fExt() - self.fInt() - self.fGyr()
+        for matrix, factor in ((self._K, q), (self._C, v)):
+            if matrix is not None:
+                total -= matrix @ factor
+        return total
 
 
 class LagrangianLinearTIDS(LagrangianDS):
@@ -466,14 +458,40 @@ def _diagonal(entries: FloatArray) -> Matrix:
 
 
 class _Nonlinear(native.LagrangianDS):
-    """Forces by overrides, derivatives by differences."""
+    """Forces by overrides, derivatives by differences; meanwhile q() and velocity() are those of the call."""
 
     def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
         super().__init__(*ds.start(), mass)
         self.ds = ds
+        self._q, self._v, _, _ = ds.live
+        self._ext, self._int, self._gyr = (
+            ds.overrides(name) for name in ("computeFExt", "computeFInt", "computeFGyr")
+        )
+        constant = np.zeros(ds.dimension())
+        for varies, term in ((self._ext, ds.fExt()), (self._int, -ds.fInt()), (self._gyr, -ds.fGyr())):
+            if not varies:
+                constant += term
+        self._constant = constant if constant.any() else None
+        self._linear = tuple((k, matrix) for k, matrix in enumerate((ds._K, ds._C)) if matrix is not None)
 
+    # Several calls a step: what is zero is left out
     def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
-        self.ds.write_forces(t, q, v, out)
+        ds = self.ds
+        self._q[:] = q
+        self._v[:] = v
+        if self._constant is not None:
+            out[:] = self._constant
+        if self._ext:
+            ds.computeFExt(t)
+            out += ds.fExt()
+        if self._int:
+            ds.computeFInt(t, q, v)
+            out -= ds.fInt()
+        if self._gyr:
+            ds.computeFGyr(q, v)
+            out -= ds.fGyr()
+        for k, matrix in self._linear:
+            out -= matrix @ (v if k else q)
 
 
 class _VaryingMass(_Nonlinear):
@@ -506,19 +524,6 @@ class _Driven(_Nonlinear):
 
     def __init__(self, ds: LagrangianDS) -> None:
         super().__init__(ds, to_dense(ds.mass()))
-        self._q, self._v, _, _ = ds.live
-        constant = ds.fInt() + ds.fGyr()
-        self._constant = constant if constant.any() else None
-
-    # Several calls a step: what is zero is left out
-    def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
-        ds = self.ds
-        self._q[:] = q
-        self._v[:] = v
-        ds.computeFExt(t)
-        out[:] = ds._fExt
-        if self._constant is not None:
-            out -= self._constant
 
     def force_jacobians(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
         """Zero, as it is at the call."""
