@@ -16,7 +16,8 @@ std::invalid_argument refused(std::string_view what, const std::string& why) {
   return std::invalid_argument("plugin '" + std::string(what) + "': " + why);
 }
 
-// The file itself; with lib and .so around its name; without a folder, where the system's loader looks.
+// The file itself; with .so after its name, or lib and .so around it; without a folder, where the system's
+// loader looks.
 std::shared_ptr<shared_library> open(std::string_view what, const std::string& file) {
   std::filesystem::path path(file);
   const bool anywhere = !path.has_parent_path();
@@ -30,7 +31,11 @@ std::shared_ptr<shared_library> open(std::string_view what, const std::string& f
       return std::shared_ptr<shared_library>();
     }
   };
-  const bool is_file = std::filesystem::is_regular_file(path);
+  bool is_file = std::filesystem::is_regular_file(path);
+  if (!is_file && std::filesystem::is_regular_file(path.string() + ".so")) {
+    path += ".so";
+    is_file = true;
+  }
   auto library = tried(path, is_file ? load_mode::default_mode : load_mode::append_decorations);
   if (!library && anywhere && !is_file)
     library = tried(file, load_mode::append_decorations | load_mode::search_system_folders);

@@ -16,7 +16,7 @@ struct PluginSymbol {
 bool names_plugin(std::string_view text);
 
 /// Finds what "library:name" stands for. The library is a file ("./libown.so"), a file without its decoration
-/// ("./own"), or, without a folder, one of the current folder or of the system's.
+/// ("./own" for own.so or libown.so), or, without a folder, one of the current folder or of the system's.
 /// @param prefix  put before the name
 /// @throws std::invalid_argument if the text has no such form, or library or symbol cannot be loaded
 PluginSymbol load_symbol(std::string_view library_and_name, std::string_view prefix = "");

@@ -16,6 +16,7 @@ namespace py = pybind11;
 void bind_numerics(py::module_& module);
 void bind_models(py::module_& module);
 void bind_bodies(py::module_& module);
+void bind_plugged(py::module_& module);
 void bind_kernel(py::module_& module);
 void bind_integrators(py::module_& module);
 void bind_first_order(py::module_& module);

@@ -107,6 +107,7 @@ PYBIND11_MODULE(_core, module) {
   saltus::python::bind_integrators(module);
   saltus::python::bind_models(module);
   saltus::python::bind_bodies(module);
+  saltus::python::bind_plugged(module);
   saltus::python::bind_kernel(module);
   saltus::python::bind_first_order(module);
   saltus::python::bind_io(module);

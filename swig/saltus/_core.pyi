@@ -147,6 +147,20 @@ class LagrangianLinearTIDS(LagrangianDS):
         external_force: ArrayLike | None = None,
     ) -> None: ...
 
+@final
+class PluggedDS(LagrangianDS):
+    def __init__(
+        self,
+        q0: ArrayLike,
+        v0: ArrayLike,
+        functions: Mapping[str, Any],
+        mass: ArrayLike | None,
+        stiffness: ArrayLike | None,
+        damping: ArrayLike | None,
+        force: ArrayLike,
+        z: ArrayLike,
+    ) -> None: ...
+
 class LagrangianScleronomousR:
     def __init__(
         self,
@@ -166,6 +180,14 @@ class LagrangianLinearTIR(LagrangianScleronomousR):
 
 class LagrangianRheonomousR(LagrangianScleronomousR):
     def __init__(self, size: int) -> None: ...
+
+@final
+class PluggedRelation(LagrangianScleronomousR):
+    def __init__(self, size: int, h: Any, jacobian: Any, rate: Any) -> None: ...
+
+@final
+class PluggedRheonomousRelation(LagrangianScleronomousR):
+    def __init__(self, size: int, h: Any, jacobian: Any, motion: Any) -> None: ...
 
 @final
 class Driven(LagrangianScleronomousR):

@@ -81,9 +81,12 @@ def test_every_solver_of_the_table_is_one_of_saltus():
     [
         (lambda: sk.ZeroOrderHoldOSI(), "not there, EulerMoreauOSI is"),
         (lambda: sk.Hem5OSI(), "not there; LsodarOSI and HalfExplicit"),
-        (lambda: sk.LagrangianScleronomousR("Plug:h", "Plug:G"), "plugins are not there"),
+        (
+            lambda: sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]], "Plug:K"),
+            "expected numbers here, plugins are",
+        ),
         (lambda: sk.LCP(9999), "solver 9999 is not there, there are SICONOS_MLCP_PGS = 100"),
-        (lambda: ball()[1].setComputeFExtFunction("Plug", "f"), "setComputeFExtFunction is not there"),
+        (lambda: ball()[1].setComputeRhsFunction("Plug", "f"), "setComputeRhsFunction is not there"),
         (lambda: ball()[1].p(3), r"p\(2\), the force, are there, got p\(3\)"),
         (lambda: ball()[2].lambda_(0), r"lambda_\(1\) and lambda_\(2\) are there, got lambda_\(0\)"),
         (lambda: ball()[2].y(2), "are there, got y"),

@@ -1,7 +1,7 @@
 """Models of Siconos, adopted and run, against the runs of Siconos itself; prints differences as JSON.
 
 Run by the Python that has Siconos: ``python3 adopted.py SITE LIBRARY``, where SITE is the folder of packages
-that Saltus is in, and LIBRARY the path of a compiled pendulum_plugin.c.
+that Saltus is in, and LIBRARY the path of a compiled pendulum_plugin.cpp.
 """
 
 import json

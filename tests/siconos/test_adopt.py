@@ -21,7 +21,7 @@ def results(tmp_path_factory):
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("no Python has both Siconos and Saltus")
     library = folder / "pendulum_plugin.so"
-    compiler = ["gcc", "-O2", "-shared", "-fPIC", HERE / "pendulum_plugin.c", "-o", library, "-lm"]
+    compiler = ["gcc", "-O2", "-shared", "-fPIC", HERE / "pendulum_plugin.cpp", "-o", library, "-lm"]
     subprocess.run(compiler, check=True)
     command = [PYTHON, HERE / "adopted.py", SITE, library]
     out = subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout

@@ -1,6 +1,7 @@
 """Scripts run as they are, by Siconos 4.4 and by Saltus; skipped where python3-siconos is not installed."""
 
 import json
+import os
 import subprocess
 from pathlib import Path
 
@@ -28,6 +29,7 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
         "friction_oscillator",
         "nonlinear_relay",
         "pendulum",
+        "plugin_pendulum",
         "problems",
         "relay_oscillator",
         "spiral_relays",
@@ -35,14 +37,21 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
         "two_balls",
     ],
 )
-def test_a_script_gives_the_numbers_of_siconos(name, tmp_path):
+def test_a_script_gives_the_numbers_of_siconos(name, tmp_path, monkeypatch):
     script = SCRIPTS / f"{name}.py"
+    monkeypatch.chdir(tmp_path)
+    if name == "plugin_pendulum":
+        source = SCRIPTS.parent / "pendulum_plugin.cpp"
+        subprocess.run(
+            ["gcc", "-O2", "-shared", "-fPIC", source, "-o", "pendulum_plugin.so", "-lm"], check=True
+        )
     try:
         subprocess.run([PYTHON, "-c", "import siconos.kernel"], check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("python3-siconos is not installed")
     command = [PYTHON, "-c", PRINT, script]
-    out = subprocess.run(command, check=True, capture_output=True, text=True, cwd=tmp_path).stdout
+    environment = os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}
+    out = subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout
     theirs = np.array(json.loads(out.splitlines()[-1]))
     ours = run_script(script, Changes())["dataPlot"]
     assert ours.shape == theirs.shape

@@ -41,7 +41,7 @@ def refuse_plugins(*values: object) -> None:
     """Raises NotThere if one of the values is a text: "Plugin:function"."""
     for value in values:
         if isinstance(value, str):
-            raise NotThere(f"plugins are not there: expected numbers or an override in Python, got '{value}'")
+            raise NotThere(f"expected numbers here, plugins are for setCompute...Function, got '{value}'")
 
 
 def to_vector(values: ArrayLike, what: str) -> FloatArray:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, refuse_plugins, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, to_matrix, to_vector
 from saltus.siconos.first_order import FirstOrderLaw, FirstOrderR
+from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import read_only
 
 if TYPE_CHECKING:
@@ -73,14 +75,34 @@ class EqualityConditionNSL(NonSmoothLaw):
 class Relation(Named):
     """What relations have in common: H(q), (rows, n), written by computeJachq or set."""
 
+    _signatures: tuple[str, ...] = ()  # of plugins that may be given, in that order
+
     def __init__(self, *plugins: str) -> None:
-        refuse_plugins(*plugins)
         self._jachq: FloatArray | None = None
         self._impulse = _NOTHING
+        if len(plugins) > len(self._signatures):
+            raise TypeError(
+                f"{type(self).__name__} takes {len(self._signatures)} plugins, got {len(plugins)}"
+            )
+        self._plugins = [
+            PluginFunction(*split(plugin), signature)
+            for plugin, signature in zip(plugins, self._signatures, strict=False)
+        ]
 
     def follow(self, impulse: FloatArray) -> None:
         """Be told lambda_(1) of the interaction, live."""
         self._impulse = impulse
+
+    def _call_plugin(self, which: int, *arguments: Any, out: FloatArray, missing: str) -> None:
+        if which >= len(self._plugins):
+            raise NotThere(f"{type(self).__name__} must define {missing}")
+        columns = np.zeros(out.shape, order="F")
+        self._plugins[which](*arguments, columns, z=np.zeros(1))
+        out[:] = columns
+
+    def overrides(self, base: type, *methods: str) -> bool:
+        """Say whether the script's class defines one of the methods of `base`."""
+        return any(getattr(type(self), name) is not getattr(base, name) for name in methods)
 
     def jachq(self) -> FloatArray:
         """(rows, n) H, to be written by computeJachq; there once it is set or the interaction is linked.
@@ -132,16 +154,32 @@ class LagrangianScleronomousR(Relation):
         def computeh(self, q, z, y): ...       # writes into y, (rows,)
         def computeJachq(self, q, z): ...      # writes into self.jachq(), or setJachqPtr()
 
-    q is [q1; q2] between two systems, z is empty. Raises NotImplementedError for "Plugin:function".
+    or give plugins, LagrangianScleronomousR("Plugin:h", "Plugin:H"[, "Plugin:dotH"]):
+
+        void h(unsigned n, double* q, unsigned rows, double* y, unsigned size_z, double* z)
+        void H(unsigned n, double* q, unsigned rows, double* H, unsigned size_z, double* z)
+        void dotH(unsigned n, double* q, unsigned n, double* v, double* out, unsigned size_z, double* z)
+
+    with matrices column by column. q is [q1; q2] between two systems; z is empty, for plugins one zero.
+
+    Raises ValueError if there is no such plugin.
     """
 
+    _signatures = ("nana", "nana", "nanaa")
+
     def computeh(self, q: FloatArray, z: FloatArray, y: FloatArray) -> None:
-        raise NotThere(f"{type(self).__name__} must define computeh(self, q, z, y)")
+        self._call_plugin(0, len(q), q, len(y), out=y, missing="computeh(self, q, z, y)")
 
     def computeJachq(self, q: FloatArray, z: FloatArray) -> None:
-        raise NotThere(f"{type(self).__name__} must define computeJachq(self, q, z)")
+        H = self.jachq()
+        self._call_plugin(1, len(q), q, len(H), out=H, missing="computeJachq(self, q, z)")
 
-    def native(self, rows: int) -> native.LagrangianScleronomousR:
+    def native(self, rows: int) -> Any:
+        if len(self._plugins) >= 2 and not self.overrides(
+            LagrangianScleronomousR, "computeh", "computeJachq"
+        ):
+            h, H, rate = [*self._plugins, None][:3]
+            return _core.PluggedRelation(rows, h, H, rate)
         return _Scleronomous(self, rows)
 
 
@@ -154,8 +192,14 @@ class LagrangianRheonomousR(Relation):
         def computehDot(self, time, q, z): ...     # ∂h/∂t into self.hDot(), (rows,)
         def computeJachq(self, time, q, z): ...
 
-    Raises NotImplementedError for "Plugin:function".
+    or give plugins, LagrangianRheonomousR("Plugin:h", "Plugin:H", "Plugin:hDot"), each
+
+        void f(unsigned n, double* q, double t, unsigned rows, double* out, unsigned size_z, double* z)
+
+    Raises ValueError if there is no such plugin.
     """
+
+    _signatures = ("natna", "natna", "natna")
 
     def __init__(self, *plugins: str) -> None:
         super().__init__(*plugins)
@@ -170,15 +214,20 @@ class LagrangianRheonomousR(Relation):
         self._hDot = np.zeros(rows)
 
     def computeh(self, time: float, q: FloatArray, z: FloatArray, y: FloatArray) -> None:
-        raise NotThere(f"{type(self).__name__} must define computeh(self, time, q, z, y)")
+        self._call_plugin(0, len(q), q, time, len(y), out=y, missing="computeh(self, time, q, z, y)")
 
     def computehDot(self, time: float, q: FloatArray, z: FloatArray) -> None:
-        raise NotThere(f"{type(self).__name__} must define computehDot(self, time, q, z)")
+        rate = self.hDot()
+        self._call_plugin(2, len(q), q, time, len(rate), out=rate, missing="computehDot(self, time, q, z)")
 
     def computeJachq(self, time: float, q: FloatArray, z: FloatArray) -> None:
-        raise NotThere(f"{type(self).__name__} must define computeJachq(self, time, q, z)")
+        H = self.jachq()
+        self._call_plugin(1, len(q), q, time, len(H), out=H, missing="computeJachq(self, time, q, z)")
 
-    def native(self, rows: int) -> native.LagrangianRheonomousR:
+    def native(self, rows: int) -> Any:
+        methods = "computeh", "computehDot", "computeJachq"
+        if len(self._plugins) == 3 and not self.overrides(LagrangianRheonomousR, *methods):
+            return _core.PluggedRheonomousRelation(rows, *self._plugins)
         return _Rheonomous(self, rows)
 
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from scipy import sparse
 
+from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import NotThere, to_dense, to_matrix, to_vector
+from saltus.siconos.plugins import PluggedTerms, split
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -179,7 +181,7 @@ class DynamicalSystem(Named):
         raise NotImplementedError
 
 
-class LagrangianDS(DynamicalSystem):
+class LagrangianDS(PluggedTerms, DynamicalSystem):
     """M(q) v̇ + F_int(t, q, v) + F_gyr(q, v) = F_ext(t) + p, q̇ = v.
 
     Derive from it and override, where the term is not a constant that is set,
@@ -194,14 +196,12 @@ class LagrangianDS(DynamicalSystem):
     Parameters
     ----------
     q0, v0 : (n,) initial position and velocity
-    mass : (n, n), the identity if neither it nor computeMass is given
+    mass : (n, n), or "Plugin:function"; the identity if neither it nor computeMass is given
 
     Raises
     ------
     ValueError
-        When the simulation is made: if shapes disagree, or a value is not finite.
-    NotImplementedError
-        For "Plugin:function" in the place of numbers.
+        If there is no such plugin. When the simulation is made: if shapes disagree, or a value is not finite.
     """
 
     hints: ClassVar[dict[str, str]] = DynamicalSystem.hints | dict.fromkeys(
@@ -215,7 +215,11 @@ class LagrangianDS(DynamicalSystem):
     )
 
     def __init__(self, q0: ArrayLike = (), v0: ArrayLike = (), mass: Any = None) -> None:
-        super().__init__(q0, v0)
+        DynamicalSystem.__init__(self, q0, v0)
+        PluggedTerms.__init__(self)
+        if isinstance(mass, str):
+            self.setComputeMassFunction(*split(mass))
+            mass = None
         self._mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
         self._K: Matrix | None = None
         self._C: Matrix | None = None
@@ -264,16 +268,20 @@ class LagrangianDS(DynamicalSystem):
         self._fGyr = to_vector(force, "fGyr")
 
     def computeFExt(self, time: float) -> None:
-        """To be overridden."""
+        """To be overridden, unless it is a plugin's."""
+        self._call_plugin("FExt", time, self.dimension(), out=self.fExt())
 
     def computeFInt(self, time: float, position: FloatArray, velocity: FloatArray) -> None:
-        """To be overridden."""
+        """Likewise."""
+        self._call_plugin("FInt", time, self.dimension(), position, velocity, out=self.fInt())
 
     def computeFGyr(self, position: FloatArray, velocity: FloatArray) -> None:
-        """To be overridden."""
+        """Likewise."""
+        self._call_plugin("FGyr", self.dimension(), position, velocity, out=self.fGyr())
 
     def computeMass(self, position: FloatArray) -> None:
-        """To be overridden."""
+        """Likewise."""
+        self._call_plugin("Mass", self.dimension(), position, out=self.mass())
 
     def computeKineticEnergy(self) -> float:
         """½ vᵀ M v [J] now."""
@@ -350,25 +358,41 @@ class LagrangianDS(DynamicalSystem):
         """Say whether the script's class defines one of them."""
         return any(getattr(type(self), name) is not getattr(LagrangianDS, name) for name in methods)
 
+    def varies(self, term: str) -> bool:
+        """Say whether a term is an override or a plugin's: "Mass", "FExt", "FInt" or "FGyr"."""
+        return term in self._plugins or self.overrides(f"compute{term}")
+
+    def _plugged(self) -> native.LagrangianDS:
+        """With the functions of plugins and the constants, without Python in a step."""
+        M, K, C = (None if matrix is None else to_dense(matrix) for matrix in (self.mass(), self._K, self._C))
+        force = np.zeros(self.dimension())
+        for term, sign in (("FExt", 1.0), ("FInt", -1.0), ("FGyr", -1.0)):
+            if term not in self._plugins:
+                force += sign * getattr(self, f"f{term[1:]}")()
+        M = None if "Mass" in self._plugins else M
+        return _core.PluggedDS(*self.start(), self._plugins, M, K, C, force, self._z)
+
     def native(self) -> native.LagrangianDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
         terms: tuple[tuple[Any, str], ...] = (
-            (self.mass(), "computeMass"),
-            (self.fExt(), "computeFExt"),
-            (self.fInt(), "computeFInt"),
-            (self.fGyr(), "computeFGyr"),
+            (self.mass(), "Mass"),
+            (self.fExt(), "FExt"),
+            (self.fInt(), "FInt"),
+            (self.fGyr(), "FGyr"),
             (self._K, ""),
             (self._C, ""),
         )
-        for array, method in terms:
-            if isinstance(array, np.ndarray) and not (method and self.overrides(method)):
+        for array, term in terms:
+            if isinstance(array, np.ndarray) and not (term and self.varies(term)):
                 array.flags.writeable = False
         self._simulated = True
-        if self.overrides("computeMass"):
+        if self._plugins and not self.overrides("computeMass", "computeFInt", "computeFGyr", "computeFExt"):
+            return self._plugged()
+        if self.varies("Mass"):
             return _VaryingMass(self)
-        if self.overrides("computeFInt", "computeFGyr"):
+        if self.varies("FInt") or self.varies("FGyr"):
             return _Nonlinear(self, to_dense(self.mass()))
-        if self.overrides("computeFExt"):
+        if self.varies("FExt"):
             return _DrivenLinear(self) if self.isLinear() else _Driven(self)
         force = self.fExt() - self.fInt() - self.fGyr()
         return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
@@ -465,7 +489,7 @@ class _Nonlinear(native.LagrangianDS):
         self.ds = ds
         self._q, self._v, _, _ = ds.live
         self._ext, self._int, self._gyr = (
-            ds.overrides(name) for name in ("computeFExt", "computeFInt", "computeFGyr")
+            ds.varies(name) for name in ("FExt", "FInt", "FGyr")
         )
         constant = np.zeros(ds.dimension())
         for varies, term in ((self._ext, ds.fExt()), (self._int, -ds.fInt()), (self._gyr, -ds.fGyr())):
