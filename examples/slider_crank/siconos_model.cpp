@@ -1,6 +1,5 @@
 #include "slider_crank/siconos_model.hpp"
 
-#include <SiconosKernel.hpp>
 #include <cmath>
 
 namespace {
@@ -18,10 +17,7 @@ class Crank : public LagrangianDS {
  public:
   Crank(SP::SiconosVector q0, SP::SiconosVector v0)
       : LagrangianDS(q0, v0, std::make_shared<SimpleMatrix>(3, 3)) {
-    _hasConstantMass = false;
-    allocateFExt();
     _fGyr = std::make_shared<SiconosVector>(3);
-    computeMass(q0);
   }
 
   void computeMass(SP::SiconosVector q) override {
