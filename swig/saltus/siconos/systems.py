@@ -10,7 +10,7 @@ from scipy import sparse
 
 from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import NotThere, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vector
 from saltus.siconos.plugins import PluggedTerms, split
 
 if TYPE_CHECKING:
