@@ -125,6 +125,8 @@ SolveReport BoxProblem::solve(const Vec& q, Vec& z) {
   for (int i = 0; i < n; ++i) {
     const Row& row = rows_[i];
     z[i] = std::clamp(row.origin() + row.sign() * row.column * P_[i], row.lower, row.upper);
+    // At the upper bound z is the bound, not a sum that is next to it.
+    if (row.slack >= 0 && P_[row.slack] > problem_.b[row.slack] - P_[i]) z[i] = row.upper;
   }
   return report;
 }

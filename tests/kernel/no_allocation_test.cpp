@@ -8,6 +8,7 @@
 #include <random>
 
 #include "rotor/rotor.hpp"
+#include "saltus/kernel/first_order/first_order_time_stepping.hpp"
 #include "saltus/kernel/model/distance.hpp"
 #include "saltus/numerics/linear/sparse_factor.hpp"
 #include "saltus/numerics/solvers/registry.hpp"
@@ -268,6 +269,42 @@ TEST(Counting, SeesEveryKindOfAllocation) {
   std::free(b);
   delete[] c;
   ::operator delete(d, std::align_val_t(64));
+}
+
+// Two relays on a nonlinear system that slides, its derivatives by differences.
+class Pendulum final : public FirstOrderDS {
+ public:
+  Pendulum() : FirstOrderDS(Vec::Constant(2, 1.0)) {}
+  void f(double t, const In& x, Out f) const override {
+    f[0] = x[1];
+    f[1] = std::sin(t) - std::sin(x[0]);
+  }
+};
+
+TEST(FirstOrder, AStepAllocatesNothing) {
+  const auto pendulum = std::make_shared<Pendulum>();
+  FirstOrderSystem nonlinear({pendulum});
+  const Matrix feedback = Matrix::Identity(2, 2);
+  nonlinear.link(std::make_shared<FirstOrderLinearTIR>(feedback, 2.0 * feedback, FirstOrderLinearR::Terms{}),
+                 relay_laws(2), *pendulum);
+  const auto bridge = std::make_shared<FirstOrderLinearTIDS>(
+      Vec{{10.0, 0.0}}, FirstOrderLinearDS::Terms{Matrix{{0.0, -1e6}, {1e2, 0.0}}, {}, {}});
+  FirstOrderSystem linear({bridge});
+  const Matrix C{{0.0, 0.0}, {0.0, 0.0}, {-1.0, 0.0}, {1.0, 0.0}};
+  const Matrix D{
+      {1e-3, 1e-3, -1.0, 0.0}, {1e-3, 1e-3, 0.0, -1.0}, {1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}};
+  const Matrix B{{0.0, 0.0, -1e6, 1e6}, {0.0, 0.0, 0.0, 0.0}};
+  linear.link(std::make_shared<FirstOrderLinearTIR>(C, B, FirstOrderLinearR::Terms{D, {}}),
+              complementarity_laws(4), *bridge);
+  for (const auto& [model, dt] : {std::pair{&nonlinear, 1e-2}, {&linear, 1e-6}}) {
+    FirstOrderTimeStepping simulation(*model, {0.5}, dt, *make_contact_solver("auto"));
+    simulation.step();  // makes the constant matrices
+    allocations = 0;
+    counting = true;
+    for (int k = 0; k < 1000; ++k) simulation.step();
+    counting = false;
+    EXPECT_EQ(allocations, 0);
+  }
 }
 
 TEST(Sweeps, AllocateNothingOnceTheyHaveTheirRows) {

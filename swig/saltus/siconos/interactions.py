@@ -273,6 +273,9 @@ class Interaction(Named):
     Raises TypeError if the arguments are not a law and a relation of this package that go together.
     """
 
+    _law: Any
+    _relation: Any
+
     def __init__(self, law: Any, relation: Any) -> None:
         self.first_order = isinstance(relation, FirstOrderR)
         laws = (FirstOrderLaw, EqualityConditionNSL) if self.first_order else NonSmoothLaw

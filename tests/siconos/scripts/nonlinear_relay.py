@@ -20,24 +20,24 @@ class Oscillator(sk.FirstOrderNonLinearDS):
 
 
 class Feedback(sk.FirstOrderNonLinearR):
-    def computeh(self, time, x, multiplier, z, y):
-        y[0] = x[0] + x[1] + 0.1 * x[1] ** 3 + 0.02 * multiplier[0]
+    def computeh(self, time, x, lam, z, y):
+        y[0] = x[0] + x[1] + 0.1 * x[1] ** 3 + 0.02 * lam[0]
 
-    def computeg(self, time, x, multiplier, z, r):
-        r[0] = 0.1 * multiplier[0]
-        r[1] = 1.5 * multiplier[0] + 0.2 * multiplier[0] ** 3 + 0.5 * x[0] ** 2 * multiplier[0]
+    def computeg(self, time, x, lam, z, r):
+        r[0] = 0.1 * lam[0]
+        r[1] = 1.5 * lam[0] + 0.2 * lam[0] ** 3 + 0.5 * x[0] ** 2 * lam[0]
 
-    def computeJachx(self, time, x, multiplier, z, C):
+    def computeJachx(self, time, x, lam, z, C):
         C[:] = [[1.0, 1.0 + 0.3 * x[1] ** 2]]
 
-    def computeJachlambda(self, time, x, multiplier, z, D):
+    def computeJachlambda(self, time, x, lam, z, D):
         D[:] = [[0.02]]
 
-    def computeJacgx(self, time, x, multiplier, z, K):
-        K[:] = [[0.0, 0.0], [x[0] * multiplier[0], 0.0]]
+    def computeJacgx(self, time, x, lam, z, K):
+        K[:] = [[0.0, 0.0], [x[0] * lam[0], 0.0]]
 
-    def computeJacglambda(self, time, x, multiplier, z, B):
-        B[:] = [[0.1], [1.5 + 0.6 * multiplier[0] ** 2 + 0.5 * x[0] ** 2]]
+    def computeJacglambda(self, time, x, lam, z, B):
+        B[:] = [[0.1], [1.5 + 0.6 * lam[0] ** 2 + 0.5 * x[0] ** 2]]
 
 
 oscillator, law, feedback = Oscillator([1.5, 0.0]), sk.RelayNSL(1), Feedback()
