@@ -10,10 +10,12 @@ namespace saltus {
 namespace {
 
 constexpr int scaling_sweeps = 3;
+// Of the solver's: a guess that it takes for solved must be within what is asked for.
+constexpr double inner_tolerance = 0.1;
 
-// The power of two next to 1/√size: scaling by it rounds nothing.
-double inverse_root(double size) {
-  return size > 0.0 && std::isfinite(size) ? std::exp2(-std::round(0.5 * std::log2(size))) : 1.0;
+// A power of two near 1/size^(1/root): scaling by it rounds nothing.
+double inverse(double size, int root) {
+  return size > 0.0 && std::isfinite(size) ? std::scalbn(1.0, -std::ilogb(size) / root) : 1.0;
 }
 
 }  // namespace
@@ -52,9 +54,8 @@ void BoxProblem::prepare(const BoxLaws& laws, ContactSolver& solver) {
   problem_.sets.resize(unknowns, NonNegative{});
   problem_.G.resize(unknowns, unknowns);
   problem_.b.resize(unknowns);
-  problem_.tolerance = solver.tolerance();
+  problem_.tolerance = inner_tolerance * solver.tolerance();
   P_.resize(unknowns);
-  scale_ = 0.0;
   M_ = Matrix::Zero(rows, rows);
   if (!solver.accepts(problem_))
     throw std::invalid_argument("the solver '" + std::string(solver.name()) +
@@ -70,12 +71,12 @@ void BoxProblem::scale(const Matrix& M) {
   for (Row& row : rows_) row.row = row.column = 1.0;
   for (int sweep = 0; sweep < scaling_sweeps; ++sweep) {
     for (int i = 0; i < n; ++i) {
-      const double factor = inverse_root(M_.row(i).cwiseAbs().maxCoeff());
+      const double factor = inverse(M_.row(i).cwiseAbs().maxCoeff(), 2);
       rows_[i].row *= factor;
       M_.row(i) *= factor;
     }
     for (int j = 0; j < n; ++j) {
-      const double factor = inverse_root(M_.col(j).cwiseAbs().maxCoeff());
+      const double factor = inverse(M_.col(j).cwiseAbs().maxCoeff(), 2);
       rows_[j].column *= factor;
       M_.col(j) *= factor;
     }
@@ -84,69 +85,73 @@ void BoxProblem::scale(const Matrix& M) {
 
 void BoxProblem::set_matrix(const Matrix& M) {
   scale(M);
-  const int n = static_cast<int>(rows_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].d = M_(i, i) != 0.0 ? std::abs(M_(i, i)) : 1.0;
   problem_.G.view().setZero();
-  for (int i = 0; i < n; ++i) {
-    const double sign = rows_[i].sign();
-    for (int j = 0; j < n; ++j) problem_.G(i, j) = sign * rows_[j].sign() * M_(i, j);
-    if (const int slack = rows_[i].slack; slack >= 0) {
-      problem_.G(i, slack) = 1.0;
-      problem_.G(slack, i) = -1.0;
-      problem_.b[slack] = (rows_[i].upper - rows_[i].lower) / rows_[i].column;
-    }
-  }
 }
 
-// The guess z as unknowns; slacks are what they must be then.
-void BoxProblem::guess(const Vec& q, const Vec& z) {
+// Of scaled z: it is the sum of where it counts from and what the solver finds.
+double BoxProblem::term(int j, const Vec& z) const {
+  return (std::abs(z[j]) + std::abs(rows_[j].origin())) / rows_[j].column;
+}
+
+// What cancels in a scaled row.
+double BoxProblem::terms(int i, const Vec& q, const Vec& z) const {
+  double size = std::abs(rows_[i].row * q[i]);
+  if (rows_[i].kind != Kind::free) size += rows_[i].d * term(i, z);
+  for (int j = 0; j < z.size(); ++j) size += std::abs(M_(i, j)) * term(j, z);
+  return size;
+}
+
+// The problem and the guess z in its unknowns; slacks are what they must be then.
+void BoxProblem::pose(const Vec& q, const Vec& z) {
   const int n = static_cast<int>(rows_.size());
   for (int i = 0; i < n; ++i) {
     const Row& row = rows_[i];
+    const double unit = inverse(terms(i, q, z), 1);
+    double at_origin = row.row * q[i], w = at_origin;
+    for (int j = 0; j < n; ++j) {
+      problem_.G(i, j) = unit * row.sign() * rows_[j].sign() * M_(i, j);
+      at_origin += M_(i, j) * rows_[j].origin() / rows_[j].column;
+      w += M_(i, j) * z[j] / rows_[j].column;
+    }
+    problem_.b[i] = unit * row.sign() * at_origin;
     P_[i] = row.sign() * (z[i] - row.origin()) / row.column;
     if (row.slack < 0) continue;
-    double w = row.row * q[i];
-    for (int j = 0; j < n; ++j) w += M_(i, j) * z[j] / rows_[j].column;
-    P_[row.slack] = std::max(0.0, -w);
+    const double width = (row.upper - row.lower) / row.column;
+    problem_.G(i, row.slack) = 1.0;
+    problem_.G(row.slack, i) = -inverse(width, 1);
+    problem_.b[row.slack] = inverse(width, 1) * width;
+    P_[row.slack] = std::max(0.0, -unit * w);
   }
 }
 
 SolveReport BoxProblem::solve(const Vec& q, Vec& z) {
-  const int n = static_cast<int>(rows_.size());
-  if (n == 0) return {};
-  for (int i = 0; i < n; ++i) {
-    double b = rows_[i].row * q[i];
-    for (int j = 0; j < n; ++j)
-      if (const double origin = rows_[j].origin(); origin != 0.0) b += M_(i, j) * origin / rows_[j].column;
-    problem_.b[i] = rows_[i].sign() * b;
-  }
-  guess(q, z);
+  if (rows_.empty()) return {};
+  pose(q, z);
   const SolveReport report = solver_->solve(problem_, P_.data());
-  scale_ = report.certificate.scale;
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < z.size(); ++i) {
     const Row& row = rows_[i];
     z[i] = std::clamp(row.origin() + row.sign() * row.column * P_[i], row.lower, row.upper);
     // At the upper bound z is the bound, not a sum that is next to it.
-    if (row.slack >= 0 && P_[row.slack] > problem_.b[row.slack] - P_[i]) z[i] = row.upper;
+    if (row.slack >= 0 && P_[row.slack] > problem_.b[row.slack] + problem_.G(row.slack, i) * P_[i])
+      z[i] = row.upper;
   }
   return report;
 }
 
-Certificate BoxProblem::certify(const Vec& q, const Vec& z, const Vec& w) const {
-  const int n = static_cast<int>(rows_.size());
-  Certificate certificate{.scale = scale_};
-  // z is the sum of where it counts from and what the solver found.
-  const auto terms = [&](int j) { return (std::abs(z[j]) + std::abs(rows_[j].origin())) / rows_[j].column; };
-  for (int i = 0; i < n; ++i) {
+double BoxProblem::residual(const Vec& q, const Vec& z, const Vec& w) const {
+  double worst = 0.0;
+  for (int i = 0; i < z.size(); ++i) {
     const Row& row = rows_[i];
-    double size = std::abs(row.row * q[i]);
-    for (int j = 0; j < n; ++j) size += std::abs(M_(i, j)) * terms(j);
-    const double scaled = z[i] / row.column;
+    const double scale = row.d / row.column;
     const double natural =
-        scaled - std::clamp(scaled - row.row * w[i], row.lower / row.column, row.upper / row.column);
-    certificate.scale = std::max(certificate.scale, size);
-    if (!(std::abs(natural) <= certificate.residual)) certificate.residual = std::abs(natural);  // also NaN
+        scale * z[i] - std::clamp(scale * z[i] - row.row * w[i], scale * row.lower, scale * row.upper);
+    if (natural == 0.0) continue;
+    const double relative = std::abs(natural) / terms(i, q, z);
+    if (!(relative <= worst)) worst = relative;
+    if (std::isnan(worst)) break;
   }
-  return certificate;
+  return worst;
 }
 
 }  // namespace saltus

@@ -25,7 +25,8 @@ void validate(const BoxLaws& laws, const std::string& what);
 /// It is rewritten as a mixed linear complementarity problem for a ContactSolver,
 ///   z = lower + p,  0 <= p, 0 <= w;   z = upper - p,  0 <= p, 0 <= -w;
 ///   both bounds:  0 <= p, 0 <= w + s;  0 <= s, 0 <= (upper - lower) - p;   none: an Equality,
-/// with rows and columns scaled by powers of two, so that no unit of z and w weighs more than another.
+/// with rows and columns scaled by powers of two: no unit of z and w weighs more than another, and the terms
+/// that cancel in a row of w are of the size of one in every row.
 class BoxProblem {
  public:
   /// Sizes everything: set_matrix() and solve() then allocate nothing but what the solver does.
@@ -36,11 +37,11 @@ class BoxProblem {
   /// @param q          (rows)
   /// @param[in,out] z  (rows), in: first guess, out: solution, within its bounds
   /// @return certificate of the scaled rewritten problem, of the z that came out; "solved" if it is within
-  ///         the solver's tolerance
+  ///         a tenth of the solver's tolerance
   SolveReport solve(const Vec& q, Vec& z);
-  /// The largest entry of the natural map |z - mid(lower, z - w, upper)| of scaled rows, and the largest sum
-  /// of the terms that cancel in a row of w, with any w beside z.
-  Certificate certify(const Vec& q, const Vec& z, const Vec& w) const;
+  /// With any w beside z: the largest entry of the natural map |z − mid(lower, z − w, upper)| of a scaled
+  /// row, each relative to the terms that cancel in it; NaN if one is.
+  double residual(const Vec& q, const Vec& z, const Vec& w) const;
 
  private:
   enum class Kind { free, above, below, between };
@@ -48,6 +49,7 @@ class BoxProblem {
     Kind kind;
     double lower, upper;
     int slack = -1;       // unknown of s
+    double d = 1.0;       // of certify(): scaled w beside d times scaled z
     double row = 1.0;     // scaling of w
     double column = 1.0;  // z = column × scaled z
     /// +1, or -1 where p counts down from the upper bound
@@ -57,14 +59,15 @@ class BoxProblem {
   };
 
   void scale(const Matrix& M);
-  void guess(const Vec& q, const Vec& z);
+  double term(int j, const Vec& z) const;
+  double terms(int i, const Vec& q, const Vec& z) const;
+  void pose(const Vec& q, const Vec& z);
 
   std::vector<Row> rows_;
   Matrix M_;  // scaled
   ContactProblem problem_;
   ContactSolver* solver_ = nullptr;
   PoolVec P_;
-  double scale_ = 0.0;  // of the last certificate
 };
 
 }  // namespace saltus

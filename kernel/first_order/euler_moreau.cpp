@@ -116,8 +116,7 @@ double EulerMoreau::residual(double dt) const {
     for (int j = 0; j < n; ++j) size += std::abs(W_(i, j) * x_[j]);
     if (residual_[i] != 0.0) worst = std::max(worst, std::abs(residual_[i]) / size);
   }
-  const Certificate law = law_.certify(q_, lambda_, y_);
-  return law.residual > 0.0 ? std::max(worst, law.residual / law.scale) : worst;
+  return std::max(worst, law_.residual(q_, lambda_, y_));
 }
 
 void EulerMoreau::accept(double t_end, FirstOrderState& state) {
