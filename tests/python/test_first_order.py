@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import saltus.kernel as sk
 from saltus.io import read_first_order
+from scipy.linalg import expm
 
 A = np.array([[-0.2, 1.0], [-1.0, -0.5]])
 
@@ -205,3 +206,36 @@ def test_methods_that_are_wrong_say_so(methods, error, message):
     system = sk.FirstOrderSystem([made([0.0])])
     with pytest.raises(error, match=message):
         sk.FirstOrderTimeStepping(system, sk.EulerMoreauOSI(), 0.1)
+
+
+def bridge_error(steps, integrator):
+    """Of the diode bridge of docs/first-order.md at 1 ms: the resistor loads the circuit whatever the sign is."""
+    L, C, R, T = 1e-2, 1e-6, 1e3, 1e-3
+    circuit = sk.FirstOrderLinearTIDS([10.0, 0.0], [[0, -1 / C], [1 / L, 0]])
+    bridge = sk.FirstOrderLinearTIR(
+        C=[[0, 0], [0, 0], [-1, 0], [1, 0]],
+        B=[[0, 0, -1 / C, 1 / C], [0, 0, 0, 0]],
+        D=[[1 / R, 1 / R, -1, 0], [1 / R, 1 / R, 0, -1], [1, 0, 0, 0], [0, 1, 0, 0]],
+    )
+    model = sk.FirstOrderSystem([circuit])
+    model.link(bridge, sk.ComplementarityConditionNSL(4), circuit)
+    simulation = sk.FirstOrderTimeStepping(model, integrator, T / steps)
+    for _ in range(steps):
+        simulation.step()
+    exact = expm(np.array([[-1 / (R * C), -1 / C], [1 / L, 0]]) * T) @ [10.0, 0.0]
+    return np.abs((simulation.x - exact) / [10.0, 0.1]).max()
+
+
+@pytest.mark.parametrize(
+    ("integrator", "order", "error"),
+    [
+        (sk.EulerMoreauOSI(1.0), 1.0, 1.1e-2),
+        (sk.EulerMoreauOSI(0.5), 1.0, 5.7e-4),
+        (sk.EulerMoreauOSI(0.5, 0.5), 1.0, 1.3e-4),
+        (sk.EulerMoreauOSI(0.5, 0.5, gamma_for_relation=True), 2.0, 9.6e-6),
+    ],
+)
+def test_the_bridge_has_the_orders_and_errors_that_the_page_says(integrator, order, error):
+    coarse, fine = bridge_error(2000, integrator), bridge_error(4000, integrator)
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.06)
+    assert coarse == pytest.approx(error, rel=0.05)
