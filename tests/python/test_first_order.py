@@ -209,7 +209,7 @@ def test_methods_that_are_wrong_say_so(methods, error, message):
 
 
 def bridge_error(steps, integrator):
-    """Of the diode bridge of docs/first-order.md at 1 ms: the resistor loads the circuit whatever the sign is."""
+    """At 1 ms of the diode bridge: the resistor loads the circuit whatever the sign of the voltage."""
     L, C, R, T = 1e-2, 1e-6, 1e3, 1e-3
     circuit = sk.FirstOrderLinearTIDS([10.0, 0.0], [[0, -1 / C], [1 / L, 0]])
     bridge = sk.FirstOrderLinearTIR(
