@@ -76,7 +76,7 @@ bool EulerMoreau::linearise(double dt, double t_end) {
   equations_->evaluate(t_end, x_, x_law_, lambda_, d);
   W_ = equations_->M() - dt * (weights_.theta * d.J + weight_r_ * d.K);
   lu_.compute(W_);
-  input_ = lu_.solve(d.B);
+  if (equations_->rows() > 0) input_ = lu_.solve(d.B);
   input_ *= dt * weight_r_;
   G_.noalias() = weight_x_ * d.C.lazyProduct(input_);
   G_ += d.D;
