@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from saltus.io import Trajectory
+    from saltus.io import FirstOrderTrajectory, Trajectory
     from saltus.typing import FloatArray
 
 MOST_LINES = 12  #: more contacts than that are drawn without a legend
@@ -46,11 +46,33 @@ def plot_trajectory(trajectory: Trajectory) -> Figure:
         return figure
 
 
+def plot_first_order(trajectory: FirstOrderTrajectory) -> Figure:
+    """States, and of models with relations outputs and multipliers, over time."""
+    panels = [("state", "x", [f"x{k}" for k in range(trajectory.x.shape[1])], trajectory.x)]
+    entries = [(name, k) for name, size in trajectory.layout.interactions for k in range(size)]
+    if entries:
+        labels = [f"{name}[{k}]" for name, k in entries]
+        panels += [("output", "y", labels, trajectory.y), ("multiplier", "λ", labels, trajectory.lambda_)]
+    with plt.rc_context(STYLE):
+        figure, axes = plt.subplots(
+            len(panels), 1, figsize=(8, 2.2 * len(panels)), sharex=True, squeeze=False, layout="constrained"
+        )
+        for (what, symbol, labels, values), ax in zip(panels, axes[:, 0], strict=True):
+            _lines(ax, trajectory.t, values, labels)
+            ax.set_ylabel(f"{what} {symbol}")
+        axes[-1, 0].set_xlabel("time t [s]")
+        return figure
+
+
+def _lines(ax: Axes, t: FloatArray, values: FloatArray, labels: Sequence[str]) -> None:
+    lines = ax.plot(t, values)
+    if len(lines) <= MOST_LINES:
+        ax.legend(lines, labels, loc="upper right", ncols=4)
+
+
 def positions(ax: Axes, trajectory: Trajectory) -> None:
     """Positions q."""
-    lines = ax.plot(trajectory.t, trajectory.q)
-    if len(lines) <= MOST_LINES:
-        ax.legend(lines, [f"q{k}" for k in range(len(lines))], loc="upper right", ncols=4)
+    _lines(ax, trajectory.t, trajectory.q, [f"q{k}" for k in range(trajectory.q.shape[1])])
     ax.set_ylabel("position q\n[m or rad]")
 
 

@@ -1,6 +1,7 @@
 """First-order models in Python: overrides, laws, what is recorded, and what is refused."""
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import saltus.kernel as sk
@@ -134,6 +135,23 @@ def test_a_run_is_recorded_and_read_back(tmp_path):
     h5py.File(tmp_path / "other.h5", "w").close()
     with pytest.raises(ValueError, match="must be a first-order run of format 1"):
         read_first_order(tmp_path / "other.h5")
+
+
+def test_a_run_is_drawn():
+    run = half_wave(Driven([0.5, 0.0], A)).run(0.5)
+    figure = run.plot()
+    states, outputs, multipliers = figure.axes
+    np.testing.assert_array_equal(states.lines[1].get_ydata(), run.x[:, 1])
+    np.testing.assert_array_equal(outputs.lines[0].get_ydata(), run.y[:, 0])
+    np.testing.assert_array_equal(multipliers.lines[0].get_ydata(), run.lambda_[:, 0])
+    assert [text.get_text() for text in multipliers.get_legend().get_texts()] == ["diode[0]"]
+    plt.close(figure)
+    free = sk.FirstOrderTimeStepping(
+        sk.FirstOrderSystem([sk.FirstOrderLinearTIDS([1.0], [[-1.0]])]), sk.EulerMoreauOSI(), 0.1
+    )
+    figure = free.run(1.0).plot()
+    assert len(figure.axes) == 1
+    plt.close(figure)
 
 
 def test_a_run_can_be_continued_and_watched():

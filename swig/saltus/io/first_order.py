@@ -20,6 +20,8 @@ from saltus.io.files import NewFile, unwritable
 from saltus.io.records import Loaded, Provenance, Rows
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from saltus.typing import FloatArray, IntArray
 
 FORMAT_VERSION = 1
@@ -136,6 +138,12 @@ class FirstOrderTrajectory:
     def residual(self) -> FloatArray:
         """Of the motion and the laws, relative to the terms that cancel (rows,)."""
         return self._float("residual")
+
+    def plot(self) -> Figure:
+        """Draw states, outputs and multipliers over time."""
+        from saltus.plot import plot_first_order
+
+        return plot_first_order(self)
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns; an existing file is replaced as a whole.
