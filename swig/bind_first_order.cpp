@@ -307,14 +307,14 @@ void bind_simulation(py::module_& module) {
                     "of the motion and the laws, relative to the terms that cancel");
   py::classh<FirstOrderTimeStepping>(module, "FirstOrderTimeSteppingBase")
       .def(py::init([](const FirstOrderSystem& system, double theta, double gamma, bool gamma_for_relation,
-                       double time_step, const std::string& solver, double tolerance) {
+                       bool hold, double time_step, const std::string& solver, double tolerance) {
              const auto method = make_contact_solver(solver);
              method->set_tolerance(tolerance);
              return std::make_unique<FirstOrderTimeStepping>(
-                 system, EulerMoreau::Weights{theta, gamma, gamma_for_relation}, time_step, *method);
+                 system, EulerMoreau::Weights{theta, gamma, gamma_for_relation, hold}, time_step, *method);
            }),
            py::arg("system"), py::arg("theta"), py::arg("gamma"), py::arg("gamma_for_relation"),
-           py::arg("time_step"), py::arg("solver"), py::arg("tolerance"))
+           py::arg("hold"), py::arg("time_step"), py::arg("solver"), py::arg("tolerance"))
       .def("add_observer", &FirstOrderTimeStepping::add_observer)
       .def("advance",
            [](FirstOrderTimeStepping& self, double until, const std::function<void(double)>& progress) {

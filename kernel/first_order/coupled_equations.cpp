@@ -1,8 +1,12 @@
 #include "saltus/kernel/first_order/coupled_equations.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <unsupported/Eigen/MatrixFunctions>
 
 namespace saltus {
 namespace {
@@ -55,6 +59,26 @@ CoupledEquations::CoupledEquations(const FirstOrderSystem& model) : model_(model
   }
   for (Vec* buffer : {&x_, &lambda_, &value_, &moved_}) buffer->setZero(largest);
   block_.reserve(largest, largest);
+}
+
+void CoupledEquations::hold(double time_step) {
+  Matrix J = Matrix::Zero(dimension(), dimension());
+  for (int k = 0; k < static_cast<int>(systems_.size()); ++k) {
+    const auto [offset, n] = systems_[k];
+    const std::string who = "a zero-order hold needs a system " + std::to_string(k) + " ";
+    if (!model_.systems()[k]->time_invariant())
+      throw std::invalid_argument(who + "that is linear with constant A, got another one");
+    system_jacobian(model_.t0(), k, model_.x0(), J);
+    const Matrix M = M_.block(offset, offset, n, n);
+    Matrix both = Matrix::Zero(2 * n, 2 * n);  // (A, 1; 0, 0): its exponential has the integral beside exp(A)
+    both.topLeftCorner(n, n) = M.partialPivLu().solve(J.block(offset, offset, n, n));
+    both.topRightCorner(n, n).setIdentity();
+    const Matrix exponential = (time_step * both).eval().exp();
+    const Matrix integral = exponential.topRightCorner(n, n);
+    const Matrix held = time_step * M * integral.inverse();
+    if (!held.allFinite()) throw std::invalid_argument(who + "with a regular M and step, got a singular one");
+    M_.block(offset, offset, n, n) = held;
+  }
 }
 
 void CoupledEquations::f(double t, const Vec& x, Vec& f) {

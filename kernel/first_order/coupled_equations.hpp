@@ -13,6 +13,11 @@ class CoupledEquations {
 
   int dimension() const { return static_cast<int>(M_.rows()); }
   int rows() const { return static_cast<int>(laws_.lower.size()); }
+  /// Puts Δt Γ⁻¹ in the place of M, with Γ = ∫ exp(M⁻¹A s) ds M⁻¹ over a step: as Γ A = exp(M⁻¹A Δt) − 1,
+  ///   Δt Γ⁻¹ (x⁺ − x) = Δt (A x + b + r)
+  /// is then exact for b and r that are constant over the step.
+  /// @throws std::invalid_argument if ∂f/∂x of a system is not constant, or M or Γ is singular
+  void hold(double time_step);
   /// (n, n) M of all systems
   const Matrix& M() const { return M_; }
   /// Of all relations.

@@ -24,13 +24,18 @@ EulerMoreau::EulerMoreau(Weights weights)
       weight_x_(weights.gamma_for_relation ? weights.gamma : 1.0) {
   require_weight(weights.theta, "theta");
   require_weight(weights.gamma, "gamma");
+  if (weights.hold && (weights.theta != 0.0 || weights.gamma != 1.0 || weights.gamma_for_relation))
+    throw std::invalid_argument("a zero-order hold has theta = 0 and gamma = 1, got " +
+                                number(weights.theta) + " and " + number(weights.gamma));
 }
 
-void EulerMoreau::prepare(const FirstOrderSystem& model, ContactSolver& solver) {
+void EulerMoreau::prepare(const FirstOrderSystem& model, ContactSolver& solver, double time_step) {
   equations_ = std::make_unique<CoupledEquations>(model);
+  if (weights_.hold) equations_->hold(time_step);
+  dt_ = time_step;
   law_.prepare(equations_->laws(), solver);
   tolerance_ = solver.tolerance();
-  made_for_ = 0.0;
+  made_ = false;
   started_ = false;
   const int n = equations_->dimension(), rows = equations_->rows();
   derivatives_ = equations_->derivatives();
@@ -49,42 +54,42 @@ void EulerMoreau::complete(FirstOrderState& state) {
 }
 
 // What the step starts from: terms of the motion that are known
-void EulerMoreau::start(double dt, const FirstOrderState& state) {
+void EulerMoreau::start(const FirstOrderState& state) {
   if (!started_) equations_->f(state.t, state.x, f_start_);
   started_ = true;
   constant_.noalias() = equations_->M().lazyProduct(state.x);
-  constant_ += dt * (1.0 - weights_.theta) * f_start_ + dt * (1.0 - weight_r_) * state.r;
+  constant_ += dt_ * (1.0 - weights_.theta) * f_start_ + dt_ * (1.0 - weight_r_) * state.r;
   x_ = state.x;
   lambda_ = state.lambda;
 }
 
 // What is left of the equation of motion at (x_, λ_), and y there. @return false if it is not finite
-bool EulerMoreau::evaluate(double dt, double t_end, const Vec& x_start) {
+bool EulerMoreau::evaluate(double t_end, const Vec& x_start) {
   equations_->f(t_end, x_, f_);
   equations_->input(t_end, x_, lambda_, r_);
   x_law_ = weight_x_ * x_ + (1.0 - weight_x_) * x_start;
   equations_->output(t_end, x_law_, lambda_, y_);
   residual_.noalias() = equations_->M().lazyProduct(x_);
-  residual_ -= dt * weights_.theta * f_ + dt * weight_r_ * r_ + constant_;
+  residual_ -= dt_ * weights_.theta * f_ + dt_ * weight_r_ * r_ + constant_;
   return all_finite(residual_) && all_finite(y_);
 }
 
-// W, Ψ and G at (x_, λ_); constant ones only if Δt has changed. @return false if W is singular
-bool EulerMoreau::linearise(double dt, double t_end) {
-  if (equations_->time_invariant() && made_for_ == dt) return true;
+// W, Ψ and G at (x_, λ_); constant ones only once. @return false if W is singular
+bool EulerMoreau::linearise(double t_end) {
+  if (equations_->time_invariant() && made_) return true;
   CoupledEquations::Derivatives& d = derivatives_;
   equations_->evaluate(t_end, x_, x_law_, lambda_, d);
-  W_ = equations_->M() - dt * (weights_.theta * d.J + weight_r_ * d.K);
+  W_ = equations_->M() - dt_ * (weights_.theta * d.J + weight_r_ * d.K);
   lu_.compute(W_);
   if (equations_->rows() > 0) input_ = lu_.solve(d.B);
-  input_ *= dt * weight_r_;
+  input_ *= dt_ * weight_r_;
   G_.noalias() = weight_x_ * d.C.lazyProduct(input_);
   G_ += d.D;
   if (!W_.allFinite() || !input_.allFinite() || !G_.allFinite() ||
       lu_.matrixLU().diagonal().cwiseAbs().minCoeff() == 0.0)
     return false;
   law_.set_matrix(G_);
-  made_for_ = dt;
+  made_ = true;
   return true;
 }
 
@@ -108,11 +113,11 @@ bool EulerMoreau::correct(FirstOrderReport& report) {
 }
 
 // Of the motion and the law, each relative to its terms; W stands for those that cancel in f.
-double EulerMoreau::residual(double dt) const {
+double EulerMoreau::residual() const {
   const int n = equations_->dimension();
   double worst = 0.0;
   for (int i = 0; i < n; ++i) {
-    double size = std::abs(constant_[i]) + std::abs(dt * weight_r_ * r_[i]);
+    double size = std::abs(constant_[i]) + std::abs(dt_ * weight_r_ * r_[i]);
     for (int j = 0; j < n; ++j) size += std::abs(W_(i, j) * x_[j]);
     if (residual_[i] != 0.0) worst = std::max(worst, std::abs(residual_[i]) / size);
   }
@@ -129,17 +134,17 @@ void EulerMoreau::accept(double t_end, FirstOrderState& state) {
   f_start_.swap(f_);
 }
 
-FirstOrderReport EulerMoreau::step(double dt, double t_end, FirstOrderState& state) {
+FirstOrderReport EulerMoreau::step(double t_end, FirstOrderState& state) {
   FirstOrderReport report;
-  start(dt, state);
+  start(state);
   while (true) {
-    if (!evaluate(dt, t_end, state.x)) report.status = StepStatus::not_finite;
+    if (!evaluate(t_end, state.x)) report.status = StepStatus::not_finite;
     if (report.status != StepStatus::ok) return report;
     if (report.iterations > 0) {
-      report.residual = residual(dt);
+      report.residual = residual();
       if (report.residual <= tolerance_) break;
     }
-    if (report.iterations == most_iterations || !linearise(dt, t_end))
+    if (report.iterations == most_iterations || !linearise(t_end))
       report.status = StepStatus::iteration_failed;
     else if (!correct(report))
       report.status = StepStatus::solver_failed;

@@ -31,6 +31,7 @@ struct FirstOrderReport {
 ///   y⁺ = h(t⁺, x⁺, λ⁺),  r⁺ = g(t⁺, x⁺, λ⁺),  the law between y⁺ and λ⁺.
 /// Where γ is that of the relation, r⁺ has the weight 1 and the law holds between λ⁺ and
 ///   h(t⁺, γ x⁺ + (1−γ) x, λ⁺).
+/// A zero-order hold is the same with θ = 0, γ = 1 and another M: see CoupledEquations::hold().
 /// Acary, Brogliato, Numerical Methods for Nonsmooth Dynamical Systems, Springer 2008, chapters 9 and 14.
 class EulerMoreau {
  public:
@@ -38,27 +39,28 @@ class EulerMoreau {
     double theta = 1.0;
     double gamma = 1.0;
     bool gamma_for_relation = false;
+    bool hold = false;
   };
 
-  /// @throws std::invalid_argument if a weight is outside [0, 1]
+  /// @throws std::invalid_argument if a weight is outside [0, 1], or a hold has others than θ = 0, γ = 1
   explicit EulerMoreau(Weights weights);
   const Weights& weights() const { return weights_; }
 
   /// Sizes every workspace: step() then allocates nothing. The solver must outlive it.
-  /// @throws std::invalid_argument as BoxProblem::prepare()
-  void prepare(const FirstOrderSystem& model, ContactSolver& solver);
+  /// @throws std::invalid_argument as BoxProblem::prepare() and CoupledEquations::hold()
+  void prepare(const FirstOrderSystem& model, ContactSolver& solver, double time_step);
   /// y and r of an initial state.
   void complete(FirstOrderState& state);
   /// One step to t_end, by Newton's method on everything but the law. If the report's status is not ok, the
   /// state is as before. f at the start is that of the end of the step before, if there was one.
-  FirstOrderReport step(double dt, double t_end, FirstOrderState& state);
+  FirstOrderReport step(double t_end, FirstOrderState& state);
 
  private:
-  void start(double dt, const FirstOrderState& state);
-  bool evaluate(double dt, double t_end, const Vec& x_start);
-  bool linearise(double dt, double t_end);
+  void start(const FirstOrderState& state);
+  bool evaluate(double t_end, const Vec& x_start);
+  bool linearise(double t_end);
   bool correct(FirstOrderReport& report);
-  double residual(double dt) const;
+  double residual() const;
   void accept(double t_end, FirstOrderState& state);
 
   Weights weights_;
@@ -66,8 +68,9 @@ class EulerMoreau {
   std::unique_ptr<CoupledEquations> equations_;
   BoxProblem law_;
   double tolerance_ = 0.0;
-  double made_for_ = 0.0;  // Δt of the constant matrices
-  bool started_ = false;   // f_start_ is known
+  double dt_ = 0.0;
+  bool made_ = false;     // the matrices, if they are constant
+  bool started_ = false;  // f_start_ is known
 
   CoupledEquations::Derivatives derivatives_;
   Matrix W_, input_, G_;  // M − Δt (θJ + γK); Ψ = W⁻¹ Δt γ B; D + C Ψ

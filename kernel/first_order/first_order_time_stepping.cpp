@@ -44,7 +44,7 @@ FirstOrderTimeStepping::FirstOrderTimeStepping(const FirstOrderSystem& model, Eu
   solver_->set_tolerance(solver.tolerance());
   const Vec none = Vec::Zero(model_.rows());
   state_ = {model_.t0(), model_.x0(), none, none, Vec::Zero(model_.dimension())};
-  scheme_.prepare(model_, *solver_);
+  scheme_.prepare(model_, *solver_, dt_);
   scheme_.complete(state_);
   check_start();
 }
@@ -91,7 +91,7 @@ const FirstOrderReport& FirstOrderTimeStepping::step() {
     bool& busy;
     ~Idle() { busy = false; }
   } idle{busy_};
-  const FirstOrderReport report = scheme_.step(dt_, model_.t0() + (step_ + 1) * dt_, state_);
+  const FirstOrderReport report = scheme_.step(model_.t0() + (step_ + 1) * dt_, state_);
   if (report.status != StepStatus::ok) throw failure(state_.t, step_ + 1, report);
   report_ = report;
   ++step_;

@@ -629,6 +629,7 @@ class FirstOrderTimeSteppingBase:
         theta: float,
         gamma: float,
         gamma_for_relation: bool,
+        hold: bool,
         time_step: float,
         solver: str,
         tolerance: float,

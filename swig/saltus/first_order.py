@@ -42,6 +42,7 @@ __all__ = [
     "FirstOrderTimeStepping",
     "MixedComplementarityConditionNSL",
     "RelayNSL",
+    "ZeroOrderHoldOSI",
 ]
 
 
@@ -84,6 +85,15 @@ class EulerMoreauOSI:
     theta: float = 1.0
     gamma: float = 1.0
     gamma_for_relation: bool = False
+
+
+@dataclass(frozen=True)
+class ZeroOrderHoldOSI:
+    """Exact steps of linear systems with constant A and M, for inputs that are constant over the step.
+
+    x⁺ = exp(M⁻¹A Δt) x + ∫ exp(M⁻¹A s) ds M⁻¹ (b + r⁺), b at the start of the step, with the law between y⁺
+    and λ⁺: what a sampled controller does to a process.
+    """
 
 
 class FirstOrderSystem(_core.FirstOrderSystemBase):
@@ -137,7 +147,7 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     Parameters
     ----------
     system : FirstOrderSystem, as it is now: relations linked later are not seen
-    integrator : EulerMoreauOSI
+    integrator : EulerMoreauOSI or ZeroOrderHoldOSI
     time_step : Δt > 0 [s]
     solver : of the complementarity problems, see ``saltus.numerics.solvers()``
     tolerance : of these problems and of Newton's method, relative to the terms that cancel
@@ -147,13 +157,14 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     ------
     ValueError
         If Δt is not positive and finite, a weight is outside [0, 1], the solver is unknown or cannot take the
-        model, or f, y or r is not finite at t0.
+        model, f, y or r is not finite at t0, or ZeroOrderHoldOSI is given a system that is not linear with
+        constant A, or whose M is singular.
     """
 
     def __init__(
         self,
         system: FirstOrderSystem,
-        integrator: EulerMoreauOSI,
+        integrator: EulerMoreauOSI | ZeroOrderHoldOSI,
         time_step: float,
         *,
         solver: str = "auto",
@@ -162,14 +173,16 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     ) -> None:
         if not isinstance(system, FirstOrderSystem):
             raise TypeError(f"system must be a FirstOrderSystem, got {type(system).__name__}")
-        if not isinstance(integrator, EulerMoreauOSI):
-            raise TypeError(f"integrator must be an EulerMoreauOSI, got {integrator!r}")
+        if not isinstance(integrator, EulerMoreauOSI | ZeroOrderHoldOSI):
+            raise TypeError(f"integrator must be an EulerMoreauOSI or ZeroOrderHoldOSI, got {integrator!r}")
         if not isinstance(time_step, Real):
             raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
-        options = asdict(integrator)
+        hold = isinstance(integrator, ZeroOrderHoldOSI)
+        weights = EulerMoreauOSI(theta=0.0) if hold else integrator
         super().__init__(
             system,
-            **options,
+            **asdict(weights),
+            hold=hold,
             time_step=float(time_step),
             solver=registry.solver(solver),
             tolerance=tolerance,
@@ -180,7 +193,12 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
             recording,
             FirstOrderLayout(tuple(system.dimensions), tuple(system.interactions)),
             Provenance(
-                "EulerMoreauOSI", options, float(time_step), solver, int(record_every), system.parameters
+                type(integrator).__name__,
+                asdict(integrator),
+                float(time_step),
+                solver,
+                int(record_every),
+                system.parameters,
             ),
         )
 

@@ -65,6 +65,7 @@ from saltus.first_order import (
     FirstOrderTimeStepping,
     MixedComplementarityConditionNSL,
     RelayNSL,
+    ZeroOrderHoldOSI,
 )
 from saltus.io import Layout, Provenance, Trajectory
 from saltus.io.records import plain
@@ -129,6 +130,7 @@ __all__ = [
     "StepReport",
     "Tableau",
     "TimeStepping",
+    "ZeroOrderHoldOSI",
     "integrators",
     "neighbours",
     "register_integrator",

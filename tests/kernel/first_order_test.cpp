@@ -156,6 +156,44 @@ TEST(FirstOrder, TheWeightsAreThoseOfTheFormula) {
   }
 }
 
+// ẋ = (v, −x) + b + (0, λ): around its centre the state turns by Δt, whatever Δt is.
+TEST(FirstOrder, AZeroOrderHoldIsExactForTheInputOfTheStep) {
+  const double dt = 0.3, c = std::cos(dt), s = std::sin(dt);
+  for (const double scale : {1.0, 2.5}) {  // of M and everything else: the same motion
+    const DS process = linear(vec({2.0, 0.0}), scale * matrix({{0.0, 1.0}, {-1.0, 0.0}}),
+                              scale * vec({0.1, 0.2}), scale * Matrix::Identity(2, 2));
+    FirstOrderSystem model({process});
+    model.link(relation(matrix({{0.5, 1.0}}), scale * matrix({{0.0}, {1.0}})), relay_laws(1), *process);
+    auto simulation = simulate(model, {0.0, 1.0, false, true}, dt);
+    int switched = 0;
+    for (int k = 0; k < 60; ++k) {
+      const Vec before = simulation.state().x;
+      const double lambda_before = simulation.state().lambda[0];
+      simulation.step();
+      const Vec& x = simulation.state().x;
+      const double lambda = simulation.state().lambda[0], y = 0.5 * x[0] + x[1];
+      const double centre = 0.2 + lambda, u = before[0] - centre, v = before[1] + 0.1;
+      ASSERT_NEAR(x[0], centre + c * u + s * v, 1e-13) << k;
+      ASSERT_NEAR(x[1], -0.1 - s * u + c * v, 1e-13) << k;
+      ASSERT_NEAR(lambda, std::clamp(lambda - y, -1.0, 1.0), 1e-12) << k;
+      switched += lambda != lambda_before;
+    }
+    EXPECT_GT(switched, 3);
+  }
+}
+
+TEST(FirstOrder, AZeroOrderHoldTakesSingularAAndRefusesTheRest) {
+  const DS integrator = linear(vec({1.0}), {}, vec({-0.5}));
+  auto simulation = simulate(FirstOrderSystem({integrator}), {0.0, 1.0, false, true}, 0.25);
+  simulation.step();
+  EXPECT_NEAR(simulation.state().x[0], 0.875, 1e-15);
+  const DS algebraic = linear(vec({1.0}), {}, {}, Matrix::Zero(1, 1));
+  EXPECT_THROW(simulate(FirstOrderSystem({algebraic}), {0.0, 1.0, false, true}, 0.1), std::invalid_argument);
+  const auto nonlinear = std::make_shared<Given>(1.0, [](double, double x) { return -x; });
+  EXPECT_THROW(simulate(FirstOrderSystem({nonlinear}), {0.0, 1.0, false, true}, 0.1), std::invalid_argument);
+  EXPECT_THROW(simulate(FirstOrderSystem({integrator}), {0.5, 1.0, false, true}, 0.1), std::invalid_argument);
+}
+
 // Two capacitors joined by a resistance and a diode: the charge stays, the difference decays or is kept.
 TEST(FirstOrder, TwoSystemsExchangeWhatOneRelationLetsThrough) {
   const double C1 = 2.0, C2 = 3.0, R = 0.5;

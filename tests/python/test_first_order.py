@@ -98,6 +98,15 @@ def test_the_law_of_an_equality_is_that_of_mechanics():
     np.testing.assert_allclose(run.lambda_[1:], -0.25, atol=1e-13)  # half of the drift, from both
 
 
+def test_a_hold_turns_a_circle_exactly_and_refuses_what_varies():
+    model = sk.FirstOrderSystem([sk.FirstOrderLinearTIDS([1.0, 0.0], [[0.0, 1.0], [-1.0, 0.0]])])
+    run = sk.FirstOrderTimeStepping(model, sk.ZeroOrderHoldOSI(), 0.7).run(70.0)
+    np.testing.assert_allclose(run.x, np.c_[np.cos(run.t), -np.sin(run.t)], atol=1e-12)
+    with pytest.raises(ValueError, match="needs a system 0 that is linear with constant A"):
+        sk.FirstOrderTimeStepping(sk.FirstOrderSystem([Varying([0.5, 0.0])]), sk.ZeroOrderHoldOSI(), 0.1)
+    sk.FirstOrderTimeStepping(sk.FirstOrderSystem([Driven([0.5, 0.0], A)]), sk.ZeroOrderHoldOSI(), 0.1)
+
+
 def test_laws_have_their_bounds():
     laws = sk.MixedComplementarityConditionNSL(1, 2)
     assert laws.size == 3
@@ -206,7 +215,7 @@ def test_misuse_says_what_was_expected():
         )
     with pytest.raises(ValueError, match=r"theta must be in \[0, 1\], got 2"):
         sk.FirstOrderTimeStepping(model, sk.EulerMoreauOSI(2.0), 0.1)
-    with pytest.raises(TypeError, match="integrator must be an EulerMoreauOSI"):
+    with pytest.raises(TypeError, match="integrator must be an EulerMoreauOSI or ZeroOrderHoldOSI, got"):
         sk.FirstOrderTimeStepping(model, sk.MoreauJeanOSI(), 0.1)
     with pytest.raises(TypeError, match="system must be a FirstOrderSystem"):
         sk.FirstOrderTimeStepping(one, sk.EulerMoreauOSI(), 0.1)

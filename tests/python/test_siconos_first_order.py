@@ -136,6 +136,19 @@ def test_gamma_is_used_as_it_is_said():
     assert osi.native().gamma == 1.0
 
 
+def test_a_hold_is_that_of_the_kernel():
+    interaction = sk.Interaction(sk.RelayNSL(1), sk.FirstOrderLinearTIR([[1.0, 0.0]], [[0.0], [1.0]]))
+    ds = sk.FirstOrderLinearDS([1.0, 0.0], np.zeros((2, 2)))
+    model = sk.NonSmoothDynamicalSystem(0, 1)
+    model.insertDynamicalSystem(ds)
+    model.link(interaction, ds)
+    ds.setAPtr([[0.0, 1.0], [0.0, 0.0]])
+    simulation = sk.TimeStepping(model, sk.TimeDiscretisation(0, 0.5), sk.ZeroOrderHoldOSI(), sk.Relay())
+    simulation.computeOneStep()
+    np.testing.assert_allclose(ds.x(), [0.875, -0.5], atol=1e-15)  # ẍ = −1 over half a second
+    assert simulation.trajectory.provenance.integrator == "ZeroOrderHoldOSI"
+
+
 def test_laws_say_what_they_are(capsys):
     relay = sk.RelayNSL(2, -0.5, 2.0)
     assert (relay.lb(), relay.ub(), relay.size()) == (-0.5, 2.0, 2)

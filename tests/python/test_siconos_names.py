@@ -79,7 +79,6 @@ def test_every_solver_of_the_table_is_one_of_saltus():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: sk.ZeroOrderHoldOSI(), "not there, EulerMoreauOSI is"),
         (lambda: sk.Hem5OSI(), "not there; LsodarOSI and HalfExplicit"),
         (
             lambda: sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]], "Plug:K"),

@@ -630,6 +630,17 @@ class EulerMoreauOSI(Named):
         return native.EulerMoreauOSI(self._theta, self._gamma if used else 1.0, self._useGammaForRelation)
 
 
+class ZeroOrderHoldOSI(Named):
+    """`saltus.kernel.ZeroOrderHoldOSI`.
+
+    Raises ValueError at the first step if a system is not linear with constant A, or its M is singular.
+    """
+
+    def native(self) -> native.ZeroOrderHoldOSI:
+        """The integrator of Saltus."""
+        return native.ZeroOrderHoldOSI()
+
+
 def _overrides(instance: object, *methods: str) -> bool:
     """Say whether a script's class defines one of them: those here come from this file."""
     return any(getattr(type(instance), name).__module__ != __name__ for name in methods)

@@ -42,6 +42,7 @@ from saltus.siconos.first_order import (
     FirstOrderType2R,
     MixedComplementarityConditionNSL,
     RelayNSL,
+    ZeroOrderHoldOSI,
 )
 from saltus.siconos.interactions import (
     EqualityConditionNSL,
@@ -120,6 +121,7 @@ __all__ = [
     "SimpleMatrix",
     "TimeDiscretisation",
     "TimeStepping",
+    "ZeroOrderHoldOSI",
     "changeFrameAbsToBody",
     "changeFrameBodyToAbs",
     "compareRefFile",
@@ -147,7 +149,6 @@ ALIASES: dict[str, Any] = {
 
 #: What is not there: it can be imported, and says so where it is used
 NOT_THERE = {
-    "ZeroOrderHoldOSI": "not there, EulerMoreauOSI is",
     **dict.fromkeys(
         ("NewMarkAlphaOSI", "Hem5OSI"),
         "not there; LsodarOSI and HalfExplicitRungeKuttaOSI(tableau='HEM5') are",

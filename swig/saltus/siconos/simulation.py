@@ -11,7 +11,7 @@ import numpy as np
 from saltus import kernel as native
 from saltus._core import FirstOrderLive, LiveState
 from saltus.siconos.arrays import Named, NotThere
-from saltus.siconos.first_order import EulerMoreauOSI, FirstOrderNonLinearDS
+from saltus.siconos.first_order import EulerMoreauOSI, FirstOrderNonLinearDS, ZeroOrderHoldOSI
 from saltus.siconos.interactions import Interaction
 from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
 from saltus.siconos.systems import DynamicalSystem
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from saltus.io import FirstOrderTrajectory, Trajectory
 
 System: TypeAlias = DynamicalSystem | FirstOrderNonLinearDS
-Integrator: TypeAlias = native.OneStepIntegrator | EulerMoreauOSI
+FirstOrderIntegrator: TypeAlias = EulerMoreauOSI | ZeroOrderHoldOSI
+Integrator: TypeAlias = native.OneStepIntegrator | FirstOrderIntegrator
 
 SICONOS_OSNSP_TS_VELOCITY = 0
 
@@ -334,8 +335,8 @@ class TimeStepping(Named):
     def _start_lagrangian(
         self, integrator: Integrator | str | None, solver: str, tolerance: float
     ) -> native.TimeStepping:
-        if integrator is None or isinstance(integrator, EulerMoreauOSI):
-            got = "none" if integrator is None else "EulerMoreauOSI, which is for first-order systems"
+        if integrator is None or isinstance(integrator, FirstOrderIntegrator):
+            got = f"{type(integrator).__name__}, which is for first-order systems" if integrator else "none"
             raise ValueError(f"expected an integrator, as MoreauJeanOSI(0.5), got {got}")
         dt = self._h / self._substeps
         simulation = native.TimeStepping(
@@ -350,7 +351,7 @@ class TimeStepping(Named):
     def _start_first_order(
         self, integrator: Integrator | str | None, solver: str, tolerance: float
     ) -> native.FirstOrderTimeStepping:
-        if not isinstance(integrator, EulerMoreauOSI):
+        if not isinstance(integrator, FirstOrderIntegrator):
             raise ValueError(f"expected EulerMoreauOSI(theta) for first-order systems, got {integrator!r}")
         simulation = native.FirstOrderTimeStepping(
             self._nsds.first_order_native(),
