@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 
 // Rooms from bottom to top. A file may include from its own room and from those below.
 const std::map<std::string, int> floors = {{"numerics", 0},
-                                            {"kernel/model", 1},
-                                            {"kernel/assembly", 2},
-                                            {"kernel/integrators", 3},
-                                            {"kernel/simulation", 4},
-                                            {"kernel/first_order", 5},
-                                            {"io", 6},
-                                            {"compare", 7},
-                                            {"siconos", 7}};
+                                           {"kernel/model", 1},
+                                           {"kernel/assembly", 2},
+                                           {"kernel/integrators", 3},
+                                           {"kernel/simulation", 4},
+                                           {"kernel/first_order", 5},
+                                           {"io", 6},
+                                           {"compare", 7},
+                                           {"siconos", 7}};
 
 // -1 where a path belongs to no room
 int floor_of(const std::string& path) {

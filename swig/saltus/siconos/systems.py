@@ -488,9 +488,7 @@ class _Nonlinear(native.LagrangianDS):
         super().__init__(*ds.start(), mass)
         self.ds = ds
         self._q, self._v, _, _ = ds.live
-        self._ext, self._int, self._gyr = (
-            ds.varies(name) for name in ("FExt", "FInt", "FGyr")
-        )
+        self._ext, self._int, self._gyr = (ds.varies(name) for name in ("FExt", "FInt", "FGyr"))
         constant = np.zeros(ds.dimension())
         for varies, term in ((self._ext, ds.fExt()), (self._int, -ds.fInt()), (self._gyr, -ds.fGyr())):
             if not varies:
