@@ -193,7 +193,7 @@ def test_levels_and_plugins_that_are_not_there_say_so():
         interaction.y(1)
     with pytest.raises(NotImplementedError, match=r"lambda_\(0\) is there, got lambda_\(1\)"):
         interaction.lambda_(1)
-    with pytest.raises(NotImplementedError, match="plugins are not there"):
+    with pytest.raises(NotImplementedError, match="plugins are for setCompute"):
         sk.FirstOrderNonLinearDS([1.0], "Plugin:f")
     with pytest.raises(NotImplementedError, match=r"must define computeh\(self, ..., y\)"):
         simulate(sk.FirstOrderLinearDS([1.0], [[0.0]]), sk.FirstOrderNonLinearR(), sk.RelayNSL(1))
