@@ -71,6 +71,9 @@ namespace ioMatrix {
 void write(const std::string& file, const std::string& mode, const SiconosMatrix& matrix,
            const std::string& form = "dim");
 
+/// The largest difference from a matrix that was written with "noDim", -1 if there is none of that size.
+double compareRefFile(const SiconosMatrix& matrix, const std::string& file, double tolerance = 1e-12);
+
 }  // namespace ioMatrix
 
 namespace SP {

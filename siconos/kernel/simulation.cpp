@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "saltus/numerics/solvers/registry.hpp"
+#include "saltus/numerics/text.hpp"
 #include "saltus/siconos/scheme_name.hpp"
 
 namespace saltus::siconos::kernel {
@@ -59,6 +60,17 @@ void ioMatrix::write(const std::string& file, const std::string& mode, const Sic
   if (form != "noDim") out << matrix.size(0) << ' ' << matrix.size(1) << '\n';
   out << matrix.values().format(columns);
   if (!out.flush()) throw std::invalid_argument("the file '" + file + "' cannot be written");
+}
+
+double ioMatrix::compareRefFile(const SiconosMatrix& matrix, const std::string& file, double) {
+  std::ifstream in(file);
+  double largest = -1.0, value = 0.0;
+  for (unsigned i = 0; i < matrix.size(0); ++i)
+    for (unsigned j = 0; j < matrix.size(1); ++j) {
+      if (!(in >> value)) return -1.0;
+      largest = std::max(largest, std::abs(value - matrix(i, j)));
+    }
+  return largest;
 }
 
 void NonSmoothDynamicalSystem::link(SP::Interaction interaction, SP::DynamicalSystem first,
@@ -118,6 +130,12 @@ void TimeStepping::nextStep() {
   if (!computed_) throw std::logic_error("expected computeOneStep() before nextStep(), got none");
   computed_ = false;
   ++step_;
+}
+
+void TimeStepping::setNewtonTolerance(double tolerance) {
+  if (!(tolerance >= 1e-12))
+    throw std::invalid_argument("Newton's iteration ends at 1e-12 of the velocities, got " +
+                                number(tolerance));
 }
 
 void TimeStepping::run() {

@@ -126,8 +126,13 @@ class TimeStepping {
   /// the step fails;
   ///         std::logic_error if nextStep() is missing
   void computeOneStep();
+  void advanceToEvent() { computeOneStep(); }
   /// Accepts the step. @throws std::logic_error if there is none
   void nextStep();
+  void processEvents() { nextStep(); }
+  /// Iterations end at 1e-12 of the velocities, or the step fails.
+  /// @throws std::invalid_argument if that is wider than the tolerance
+  void setNewtonTolerance(double tolerance);
   /// All steps to T.
   void run();
   double startingTime() const { return nsds_->t0() + static_cast<double>(step_) * td_->h(); }

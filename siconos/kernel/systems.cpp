@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 namespace saltus::siconos::kernel {
 namespace {
@@ -23,7 +24,10 @@ void require_square(const SiconosMatrix* matrix, unsigned n, const char* what) {
 class LiveDS : public saltus::LagrangianDS {
  public:
   explicit LiveDS(kernel::LagrangianDS& ds)
-      : LagrangianDS(ds.q0()->values(), ds.velocity0()->values()), ds_(ds) {}
+      : LagrangianDS(ds.q0()->values(), ds.velocity0()->values()),
+        ds_(ds),
+        by_q_(dimension(), dimension()),
+        by_v_(dimension(), dimension()) {}
 
   void mass(const In& q, OutMatrix M) const override {
     ds_.q()->values() = q;
@@ -42,8 +46,18 @@ class LiveDS : public saltus::LagrangianDS {
     if (ds_.fGyr()) h -= ds_.fGyr()->values();
   }
 
+  bool force_jacobians(double t, const In& q, const In& v, OutMatrix dh_dq, OutMatrix dh_dv) const override {
+    ds_.q()->values() = q;
+    ds_.velocity()->values() = v;
+    if (!ds_.computeJacobians(t, by_q_, by_v_)) return false;
+    dh_dq = -by_q_;
+    dh_dv = -by_v_;
+    return true;
+  }
+
  private:
   kernel::LagrangianDS& ds_;
+  mutable Eigen::MatrixXd by_q_, by_v_;
 };
 
 // Its matrices are constant; an external force may be computed.
@@ -115,6 +129,48 @@ void LagrangianDS::setComputeFGyrFunction(const std::string& library, const std:
 void LagrangianDS::setComputeFExtFunction(const std::string& library, const std::string& function) {
   external_function_ = library + ":" + function;
   _fExt = zeros(dimension());
+}
+
+void LagrangianDS::setComputeJacobianFIntqFunction(const std::string& library, const std::string& function) {
+  internal_dq_ = library + ":" + function;
+}
+
+void LagrangianDS::setComputeJacobianFIntqDotFunction(const std::string& library,
+                                                      const std::string& function) {
+  internal_dv_ = library + ":" + function;
+}
+
+void LagrangianDS::setComputeJacobianFGyrqFunction(const std::string& library, const std::string& function) {
+  gyroscopic_dq_ = library + ":" + function;
+}
+
+void LagrangianDS::setComputeJacobianFGyrqDotFunction(const std::string& library,
+                                                      const std::string& function) {
+  gyroscopic_dv_ = library + ":" + function;
+}
+
+bool LagrangianDS::computeJacobians(double time, Eigen::MatrixXd& by_q, Eigen::MatrixXd& by_v) const {
+  const bool internal = internal_dq_ && internal_dv_, gyroscopic = gyroscopic_dq_ && gyroscopic_dv_;
+  if ((_fInt && !internal) || (_fGyr && !gyroscopic)) return false;
+  by_q.setZero();
+  by_v.setZero();
+  thread_local std::vector<double> one;
+  const unsigned n = dimension();
+  const auto add = [&](const auto& function, Eigen::MatrixXd& to, auto... time_or_none) {
+    one.assign(to.size(), 0.0);
+    function.call(time_or_none..., n, q_->getArray(), velocity_->getArray(), one.data(), z_->size(),
+                  z_->getArray());
+    to += Eigen::Map<const Eigen::MatrixXd>(one.data(), n, n);
+  };
+  if (_fInt) {
+    add(internal_dq_, by_q, time);
+    add(internal_dv_, by_v, time);
+  }
+  if (_fGyr) {
+    add(gyroscopic_dq_, by_q);
+    add(gyroscopic_dv_, by_v);
+  }
+  return true;
 }
 
 void LagrangianDS::computeMass(SP::SiconosVector position) {

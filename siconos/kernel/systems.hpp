@@ -7,7 +7,7 @@ namespace saltus::siconos::kernel {
 
 /// M(q) v̇ + F_int(t, q, v) + F_gyr(q, v) = F_ext(t) + p, q̇ = v. Terms are constants that are set, functions
 /// of plugins, or overrides that write into _mass, _fInt, _fGyr, _fExt. Derivatives of forces are found by
-/// differences.
+/// differences, unless plugins give all of them.
 class LagrangianDS {
  public:
   /// @param q0, v0  (n) initial position and velocity
@@ -43,11 +43,18 @@ class LagrangianDS {
   void setComputeFIntFunction(const std::string& library, const std::string& function);
   void setComputeFGyrFunction(const std::string& library, const std::string& function);
   void setComputeFExtFunction(const std::string& library, const std::string& function);
+  void setComputeJacobianFIntqFunction(const std::string& library, const std::string& function);
+  void setComputeJacobianFIntqDotFunction(const std::string& library, const std::string& function);
+  void setComputeJacobianFGyrqFunction(const std::string& library, const std::string& function);
+  void setComputeJacobianFGyrqDotFunction(const std::string& library, const std::string& function);
 
   virtual void computeMass(SP::SiconosVector position);
   virtual void computeFInt(double time, SP::SiconosVector position, SP::SiconosVector velocity);
   virtual void computeFGyr(SP::SiconosVector position, SP::SiconosVector velocity);
   virtual void computeFExt(double time);
+  /// ∂/∂q and ∂/∂v of F_int + F_gyr by plugins, (n, n).
+  /// @return false if there is a force without both of its derivatives
+  bool computeJacobians(double time, Eigen::MatrixXd& by_q, Eigen::MatrixXd& by_v) const;
   /// ½ vᵀ M v [J] now.
   double computeKineticEnergy();
 
@@ -64,6 +71,8 @@ class LagrangianDS {
   PluggedFunction<PluggedDS::OfTimeAndState> internal_function_;
   PluggedFunction<PluggedDS::OfState> gyroscopic_function_;
   PluggedFunction<PluggedDS::OfTime> external_function_;
+  PluggedFunction<PluggedDS::OfTimeAndState> internal_dq_, internal_dv_;
+  PluggedFunction<PluggedDS::OfState> gyroscopic_dq_, gyroscopic_dv_;
 };
 
 /// M v̇ + C v + K q = F_ext(t) + p.

@@ -169,6 +169,39 @@ TEST(SiconosNames, PluginsMoveAsThoseOfSaltus) {
   EXPECT_NEAR(still->computeKineticEnergy(), energy, 1e-15);
 }
 
+// Of an implicit scheme, which asks for derivatives
+TEST(SiconosNames, JacobiansOfPluginsAreTaken) {
+  double ends[3];
+  for (int given = 0; given < 3; ++given) {
+    const auto ds =
+        std::make_shared<sk::LagrangianDS>(vector({1.0, 0.2}), vector({0.0, 0.5}), plugin("mass"));
+    ds->setComputeFIntFunction(SALTUS_PENDULUM_PLUGIN, "internal_force");
+    if (given > 0) {
+      ds->setComputeJacobianFIntqFunction(SALTUS_PENDULUM_PLUGIN, "internal_force_dq");
+      ds->setComputeJacobianFIntqDotFunction(SALTUS_PENDULUM_PLUGIN, "internal_force_dv");
+    }
+    Eigen::MatrixXd by_q(2, 2), by_v(2, 2);
+    EXPECT_EQ(ds->computeJacobians(0.0, by_q, by_v), given > 0);
+    if (given > 0) {
+      EXPECT_EQ(by_q, (Eigen::MatrixXd(2, 2) << 45, 0, 0, 20).finished());
+      EXPECT_EQ(by_v, (Eigen::MatrixXd(2, 2) << 0, 0.1, 0, 0.2).finished());
+    }
+    if (given == 2) {  // a force without derivatives: all are found by differences
+      ds->setFGyrPtr(vector({0, 0}));
+      EXPECT_FALSE(ds->computeJacobians(0.0, by_q, by_v));
+    }
+    const auto simulation = simulate(model_of({ds}, 1.0), std::make_shared<sk::MoreauJeanOSI>(), 1e-2);
+    simulation->setNewtonTolerance(1e-8);
+    for (int step = 0; step < 100; ++step) {
+      simulation->advanceToEvent();
+      simulation->processEvents();
+    }
+    ends[given] = (*ds->q())(0);
+  }
+  EXPECT_NEAR(ends[0], ends[1], 1e-11);
+  EXPECT_NEAR(ends[0], ends[2], 1e-11);
+}
+
 // y = q − u(t), u = 0.5 t − 1
 class RisingFloor : public sk::LagrangianRheonomousR {
  public:
@@ -204,7 +237,14 @@ TEST(SiconosNames, MatricesAreWrittenWithEveryDigit) {
   std::vector<double> read;
   for (double value; in >> value;) read.push_back(value);
   EXPECT_EQ(read, (std::vector<double>{3, 2, 0.1, -1.0 / 3.0, 1e-300, 5, 0, 0}));
+  sk::ioMatrix::write(file.string(), "ascii", *numbers, "noDim");
+  EXPECT_EQ(sk::ioMatrix::compareRefFile(*numbers, file.string()), 0.0);
+  numbers->setValue(1, 1, 4.5);
+  EXPECT_EQ(sk::ioMatrix::compareRefFile(*numbers, file.string()), 0.5);
+  numbers->resize(4, 2);
+  EXPECT_EQ(sk::ioMatrix::compareRefFile(*numbers, file.string()), -1.0);
   std::filesystem::remove(file);
+  EXPECT_EQ(sk::ioMatrix::compareRefFile(*numbers, file.string()), -1.0);
   expect_refusal([&] { sk::ioMatrix::write("x", "binary", *numbers); }, {"'ascii'", "'binary'"});
   expect_refusal([&] { sk::ioMatrix::write("/nowhere/x", "ascii", *numbers); }, {"/nowhere/x"});
 }
@@ -224,6 +264,7 @@ TEST(SiconosNames, MisuseSaysWhatWasExpected) {
   expect_refusal([&] { floor->y(2); }, {"y(2)"});
   expect_refusal([&] { floor->lambda(0); }, {"lambda(0)"});
   expect_refusal([] { sk::FrictionContact(4); }, {"2 or 3", "got 4"});
+  expect_refusal([&] { simulate(nsds, nullptr, 1e-3)->setNewtonTolerance(1e-14); }, {"1e-12", "1e-14"});
   ball->setFExtPtr(vector({1, 2}));
   const auto simulation = simulate(nsds, std::make_shared<sk::MoreauJeanOSI>(), 1e-3);
   expect_refusal([&] { simulation->computeOneStep(); }, {"fExt must have 1 entries, got 2"});
