@@ -31,6 +31,7 @@ double time_step(const Simulation& simulation) {
 
 }  // namespace
 
+// Of the ids that there are, that of the nearest kind: problems ask for it, and they are empty.
 OneStepIntegrator::OneStepIntegrator(const std::string& scheme, const std::string& solver)
     : ::OneStepIntegrator(OSI::D1MINUSLINEAROSI), run_(std::make_unique<Run>(scheme, solver)) {
   _levelMinForOutput = 0;
