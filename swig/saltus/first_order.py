@@ -7,9 +7,9 @@ All names are those of `saltus.kernel` as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from numbers import Real
-from typing import Any
+from typing import Any, TypeAlias
 
 from saltus import _core, registry
 from saltus._core import (
@@ -96,6 +96,32 @@ class ZeroOrderHoldOSI:
     """
 
 
+Scheme: TypeAlias = EulerMoreauOSI | ZeroOrderHoldOSI
+SCHEMES: dict[str, Callable[..., Scheme]] = {
+    "EulerMoreauOSI": EulerMoreauOSI,
+    "ZeroOrderHoldOSI": ZeroOrderHoldOSI,
+}
+
+
+def make_scheme(spec: str) -> Scheme:
+    """An integrator of first-order systems from its name and options: ``"EulerMoreauOSI(theta=0.5)"``.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name, no such option, or an option is not a number.
+    """
+    name, options = registry.parse(spec)
+    if name not in SCHEMES:
+        there = ", ".join(SCHEMES)
+        raise ValueError(f"no integrator of first-order systems named '{name}', there are {there}")
+    known = {field.name for field in fields(EulerMoreauOSI)} if name == "EulerMoreauOSI" else set()
+    if not known.issuperset(options) or not all(isinstance(value, float) for value in options.values()):
+        expected = ", ".join(sorted(known)) or "none"
+        raise ValueError(f"options of {name} are numbers: {expected}; got '{spec}'")
+    return SCHEMES[name](**options)
+
+
 class FirstOrderSystem(_core.FirstOrderSystemBase):
     """First-order systems, and the relations between them with their laws.
 
@@ -147,7 +173,7 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     Parameters
     ----------
     system : FirstOrderSystem, as it is now: relations linked later are not seen
-    integrator : EulerMoreauOSI or ZeroOrderHoldOSI
+    integrator : EulerMoreauOSI or ZeroOrderHoldOSI, or a name with options, "EulerMoreauOSI(theta=0.5)"
     time_step : Δt > 0 [s]
     solver : of the complementarity problems, see ``saltus.numerics.solvers()``
     tolerance : of these problems and of Newton's method, relative to the terms that cancel
@@ -164,7 +190,7 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     def __init__(
         self,
         system: FirstOrderSystem,
-        integrator: EulerMoreauOSI | ZeroOrderHoldOSI,
+        integrator: Scheme | str,
         time_step: float,
         *,
         solver: str = "auto",
@@ -173,12 +199,13 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     ) -> None:
         if not isinstance(system, FirstOrderSystem):
             raise TypeError(f"system must be a FirstOrderSystem, got {type(system).__name__}")
-        if not isinstance(integrator, EulerMoreauOSI | ZeroOrderHoldOSI):
+        scheme = make_scheme(integrator) if isinstance(integrator, str) else integrator
+        if not isinstance(scheme, Scheme):
             raise TypeError(f"integrator must be an EulerMoreauOSI or ZeroOrderHoldOSI, got {integrator!r}")
         if not isinstance(time_step, Real):
             raise TypeError(f"time_step must be a number, got {type(time_step).__name__}")
-        hold = isinstance(integrator, ZeroOrderHoldOSI)
-        weights = EulerMoreauOSI(theta=0.0) if hold else integrator
+        hold = isinstance(scheme, ZeroOrderHoldOSI)
+        weights = EulerMoreauOSI(theta=0.0) if hold else scheme
         super().__init__(
             system,
             **asdict(weights),
@@ -193,8 +220,8 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
             recording,
             FirstOrderLayout(tuple(system.dimensions), tuple(system.interactions)),
             Provenance(
-                type(integrator).__name__,
-                asdict(integrator),
+                type(scheme).__name__,
+                asdict(scheme),
                 float(time_step),
                 solver,
                 int(record_every),

@@ -87,7 +87,7 @@ def make_integrator(spec: str) -> OneStepIntegrator:
         If there is none of that name, no such option or choice, or the options are not ``name=value, ...``
         with numbers and words.
     """
-    name, options = _parse(spec)
+    name, options = parse(spec)
     return integrator(name)(**options)
 
 
@@ -111,7 +111,8 @@ def label(scheme: OneStepIntegrator) -> str:
     return scheme.name + (f"({', '.join(options)})" if options else "")
 
 
-def _parse(spec: str) -> tuple[str, dict[str, OptionValue]]:
+def parse(spec: str) -> tuple[str, dict[str, OptionValue]]:
+    """Name and options of "NAME(option=value, ...)". Raises ValueError if it is something else."""
     name, bracket, rest = spec.strip().partition("(")
     if not bracket:
         return name, {}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import saltus.kernel as native
 from saltus.compare import compare
-from saltus.io import read_hdf5
+from saltus.io import read_first_order, read_hdf5
 from saltus.models import model
 from saltus.siconos.script import is_script
 
@@ -44,6 +44,21 @@ def test_integrator_solver_step_and_end_are_swapped(tmp_path):
     assert h5.returncode == 0
     provenance = read_hdf5(tmp_path / "ball.h5").provenance
     assert (provenance.integrator, provenance.solver) == ("HalfExplicitRungeKuttaOSI", "lemke")
+
+
+def test_the_integrator_of_a_circuit_is_swapped(tmp_path):
+    bridge = BALL.with_name("diode_bridge.py")
+    options = ["--record", "run.h5", "--integrator"]
+    result = saltus(bridge, *options, "EulerMoreauOSI(theta=1,gamma=0.5)", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    run = read_first_order(tmp_path / "run.h5")
+    assert len(run) == 1001
+    assert run.provenance.options == {"theta": 1.0, "gamma": 0.5, "gamma_for_relation": False}
+    refused = saltus(bridge, *options, "MoreauJeanOSI", cwd=tmp_path)
+    assert "no integrator of first-order systems named 'MoreauJeanOSI'" in refused.stderr
+    refused = saltus(bridge, *options, "EulerMoreauOSI(alpha=1)", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "options of EulerMoreauOSI are numbers: gamma, gamma_for_relation, theta" in refused.stderr
 
 
 def test_a_picture_opens_no_window_and_arguments_arrive(tmp_path):

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from saltus import registry
+from saltus.first_order import SCHEMES, make_scheme
 from saltus.kernel import SimulationError
 from saltus.siconos.script import run_script
 from saltus.siconos.simulation import Changes
@@ -22,7 +23,9 @@ def run(script: Path, arguments: list[str], changes: Changes, record: Path | Non
     Raises ValueError on misuse, before the script runs.
     """
     if changes.integrator is not None:
-        registry.make_integrator(changes.integrator)
+        first_order = registry.parse(changes.integrator)[0] in SCHEMES
+        make = make_scheme if first_order else registry.make_integrator
+        make(changes.integrator)
     if changes.solver is not None:
         registry.solver(changes.solver)
     for name, value in (("--time-step", changes.time_step), ("--until", changes.until)):

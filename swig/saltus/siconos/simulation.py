@@ -351,11 +351,11 @@ class TimeStepping(Named):
     def _start_first_order(
         self, integrator: Integrator | str | None, solver: str, tolerance: float
     ) -> native.FirstOrderTimeStepping:
-        if not isinstance(integrator, FirstOrderIntegrator):
+        if not isinstance(integrator, FirstOrderIntegrator | str):
             raise ValueError(f"expected EulerMoreauOSI(theta) for first-order systems, got {integrator!r}")
         simulation = native.FirstOrderTimeStepping(
             self._nsds.first_order_native(),
-            integrator.native(),
+            integrator if isinstance(integrator, str) else integrator.native(),
             self._h / self._substeps,
             solver=solver,
             tolerance=tolerance,
