@@ -124,6 +124,27 @@ def test_parameters_act_through_F():
     np.testing.assert_allclose(row, [0.75, 1.5, 0.0, 1.5], atol=1e-15)  # y = x + F z + e = 0
 
 
+def test_constants_cannot_change_behind_the_simulation():
+    A_now, M, e = -np.eye(2), np.eye(2), np.zeros(1)
+    ds = sk.FirstOrderLinearDS([1.0, 1.0], A_now)
+    ds.setMPtr(M)
+    relation = sk.FirstOrderLinearTIR([[1.0, 1.0]], [[0.0], [2.0]])
+    relation.setePtr(e)
+    simulate(ds, relation, sk.RelayNSL(1), steps=1)
+    for array in (A_now, M, e):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 3.0
+
+
+def test_a_constant_f_needs_no_override():
+    ds = sk.FirstOrderNonLinearDS([1.0])
+    ds.setFPtr([-2.0])
+    free = sk.FirstOrderLinearTIR([[1.0]], [[0.0]])
+    free.setDPtr([[1.0]])
+    rows = simulate(ds, free, sk.RelayNSL(1), h=0.25, steps=2)
+    np.testing.assert_allclose(rows[:, 0], [0.5, 0.0], atol=1e-15)
+
+
 def test_gamma_is_used_as_it_is_said():
     osi = sk.EulerMoreauOSI(0.5)
     assert (osi.theta(), osi.gamma(), osi.useGamma()) == (0.5, 1.0, False)

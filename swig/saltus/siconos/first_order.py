@@ -170,10 +170,9 @@ class FirstOrderNonLinearDS(Named):
         return _overrides(self, *methods)
 
     def native(self) -> native.FirstOrderNonLinearDS:
-        """The system of Saltus."""
+        """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
+        _freeze(self._M)
         if not self.overrides("computef"):
-            if self._f is None:
-                return native.FirstOrderLinearTIDS(self._x0, M=self._M)
             _freeze(self._f)
             return native.FirstOrderLinearTIDS(self._x0, None, self._f, self._M)
         methods: dict[str, Callable[..., None]] = {"f": self._write_f}
@@ -262,6 +261,7 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
         self.computeA(time)
 
     def native(self) -> native.FirstOrderNonLinearDS:
+        _freeze(self._M)
         methods: dict[str, Callable[..., None]] = {}
         if self.overrides("computeA"):
             methods["A"] = self._write_A
