@@ -27,6 +27,7 @@ PRINT = "import json, runpy, sys; print(json.dumps(runpy.run_path(sys.argv[1])['
         "event_driven_ball",
         "filtered_bridge",
         "friction_oscillator",
+        "mixed_laws",
         "nonlinear_relay",
         "pendulum",
         "plugin_pendulum",
