@@ -1,4 +1,4 @@
-"""Three states, one of which is held by an equality and two by complementarity, with a problem that is mixed."""
+"""Three states, one held by an equality and two by complementarity: a mixed problem."""
 
 import numpy as np
 import siconos.kernel as sk
