@@ -10,7 +10,7 @@ import numpy as np
 from saltus import _core
 from saltus import kernel as native
 from saltus.siconos.arrays import Named, NotThere, to_matrix, to_vector
-from saltus.siconos.first_order import FirstOrderLaw, FirstOrderR
+from saltus.siconos.first_order_relations import FirstOrderLaw, FirstOrderR
 from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import read_only
 

@@ -29,14 +29,12 @@ from saltus.siconos.event_driven import (
     EventDriven,
     LsodarOSI,
 )
-from saltus.siconos.first_order import (
+from saltus.siconos.first_order import FirstOrderLinearDS, FirstOrderLinearTIDS, FirstOrderNonLinearDS
+from saltus.siconos.first_order_relations import (
     ComplementarityConditionNSL,
     EulerMoreauOSI,
-    FirstOrderLinearDS,
     FirstOrderLinearR,
-    FirstOrderLinearTIDS,
     FirstOrderLinearTIR,
-    FirstOrderNonLinearDS,
     FirstOrderNonLinearR,
     FirstOrderType1R,
     FirstOrderType2R,

@@ -11,7 +11,8 @@ import numpy as np
 from saltus import kernel as native
 from saltus._core import FirstOrderLive, LiveState
 from saltus.siconos.arrays import Named, NotThere
-from saltus.siconos.first_order import EulerMoreauOSI, FirstOrderNonLinearDS, ZeroOrderHoldOSI
+from saltus.siconos.first_order import FirstOrderNonLinearDS
+from saltus.siconos.first_order_relations import EulerMoreauOSI, ZeroOrderHoldOSI
 from saltus.siconos.interactions import Interaction
 from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
 from saltus.siconos.systems import DynamicalSystem
