@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 import numpy as np
 
 from saltus import kernel as native
+from saltus import registry
 from saltus._core import FirstOrderLive, LiveState
 from saltus.siconos.arrays import Named, NotThere
 from saltus.siconos.first_order import FirstOrderNonLinearDS
@@ -59,6 +60,18 @@ def change(changes: Changes | None) -> None:
     """Let simulations that are made from now on follow `changes`, and be listed in them; None: no longer."""
     global _changes  # the script in between knows nothing of it
     _changes = changes
+
+
+def _in_place_of_the_scripts(name: str) -> native.OneStepIntegrator:
+    """The integrator of that name; impulsive steps in ten parts where the scheme can, and no option is given.
+
+    The step of a script is chosen for Moreau-Jean. What bounces has an error of the length of the step in
+    which it hits, whatever the order of the scheme.
+    """
+    scheme = registry.make_integrator(name)
+    if "(" in name or "impulsive_substeps" not in scheme.options:
+        return scheme
+    return registry.make_integrator(f"{name}(impulsive_substeps=10)")
 
 
 class TimeDiscretisation(Named):
@@ -340,9 +353,8 @@ class TimeStepping(Named):
             got = f"{type(integrator).__name__}, which is for first-order systems" if integrator else "none"
             raise ValueError(f"expected an integrator, as MoreauJeanOSI(0.5), got {got}")
         dt = self._h / self._substeps
-        simulation = native.TimeStepping(
-            self._nsds.native(), integrator, dt, solver=solver, tolerance=tolerance
-        )
+        scheme = _in_place_of_the_scripts(integrator) if isinstance(integrator, str) else integrator
+        simulation = native.TimeStepping(self._nsds.native(), scheme, dt, solver=solver, tolerance=tolerance)
         self._driven = [ds for ds in self._nsds.systems if ds.driven]
         systems = [ds.live for ds in self._nsds.systems]
         contacts = [interaction.live for interaction, _, _ in self._nsds.links]
