@@ -1,5 +1,7 @@
 """First-order systems under Siconos's names: methods, kinds of relations, and what is refused."""
 
+import subprocess
+
 import numpy as np
 import pytest
 import saltus.siconos.kernel as sk
@@ -214,9 +216,65 @@ def test_levels_and_plugins_that_are_not_there_say_so():
         interaction.y(1)
     with pytest.raises(NotImplementedError, match=r"lambda_\(0\) is there, got lambda_\(1\)"):
         interaction.lambda_(1)
-    with pytest.raises(NotImplementedError, match="plugins are for setCompute"):
+    with pytest.raises(ValueError, match="plugin 'Plugin': expected Plugin.so or libPlugin.so"):
         sk.FirstOrderNonLinearDS([1.0], "Plugin:f")
+    with pytest.raises(TypeError, match="takes 2 plugins, got 3"):
+        sk.FirstOrderNonLinearDS([1.0], "a:b", "a:b", "a:b")
     with pytest.raises(NotImplementedError, match=r"must define computeh\(self, ..., y\)"):
         simulate(sk.FirstOrderLinearDS([1.0], [[0.0]]), sk.FirstOrderNonLinearR(), sk.RelayNSL(1))
     with pytest.raises(TypeError, match="takes C, B or C, D, F, e, B, got 3 arguments"):
         sk.FirstOrderLinearTIR([[1.0]], [[1.0]], [[1.0]])
+
+
+SOURCE = """
+#include <math.h>
+typedef unsigned int size;
+void source(double t, size n, double* b, size nz, double* z) { b[0] = z[0] * cos(3 * t); b[1] = t; }
+void rotation(double t, size rows, size columns, double* A, size nz, double* z) {
+  A[0] = -0.1; A[1] = -2 - t; A[2] = 1; A[3] = -0.2;  /* column by column */
+}
+void pendulum(double t, size n, double* x, double* f, size nz, double* z) { f[0] = x[1]; f[1] = -sin(x[0]); }
+void pendulum_dx(double t, size n, double* x, double* J, size nz, double* z) {
+  J[1] = -cos(x[0]); J[2] = 1;
+}
+"""
+
+
+class Rotation(sk.FirstOrderLinearDS):
+    def computeA(self, time):
+        self.A()[:] = [[-0.1, 1.0], [-2.0 - time, -0.2]]
+
+    def computeb(self, time):
+        self.b()[:] = [4.0 * np.cos(3 * time), time]
+
+
+class Pendulum(sk.FirstOrderNonLinearDS):
+    def computef(self, time, state):
+        self.f()[:] = [state[1], -np.sin(state[0])]
+
+    def computeJacobianfx(self, time, state):
+        self.jacobianfx()[:] = [[0.0, 1.0], [-np.cos(state[0]), 0.0]]
+
+
+def test_plugins_stand_for_overrides(tmp_path):
+    (tmp_path / "terms.c").write_text(SOURCE)
+    command = ["gcc", "-shared", "-fPIC", "terms.c", "-o", "libterms.so", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    library = str(tmp_path / "terms")
+    linear = sk.FirstOrderLinearDS([1.0, 0.5])
+    linear.setzPtr([4.0])
+    linear.setComputeAFunction(library, "rotation")
+    linear.setComputebFunction(library, "source")
+    nonlinear = sk.FirstOrderNonLinearDS([1.0, 0.5], f"{library}:pendulum", f"{library}:pendulum_dx")
+    for plugged, own in ((linear, Rotation([1.0, 0.5])), (nonlinear, Pendulum([1.0, 0.5]))):
+        for ds in (plugged, own):
+            model = sk.NonSmoothDynamicalSystem(0, 1)
+            model.insertDynamicalSystem(ds)
+            sk.TimeStepping(model, sk.TimeDiscretisation(0, 0.01), sk.EulerMoreauOSI(0.5), sk.Relay()).run()
+        np.testing.assert_allclose(plugged.x(), own.x(), rtol=1e-13)
+        assert np.abs(plugged.x() - [1.0, 0.5]).max() > 0.1
+        plugged.computeJacobianRhsx(0.7)
+        own.computeJacobianRhsx(0.7)
+        np.testing.assert_allclose(plugged.jacobianRhsx(), own.jacobianRhsx(), rtol=1e-13)
+    with pytest.raises(ValueError, match="the library exports no 'nothing'"):
+        linear.setComputebFunction(library, "nothing")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from saltus import first_order as native
-from saltus.siconos.arrays import Named, refuse_plugins, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import Named, to_dense, to_matrix, to_vector
+from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import _numbers, read_only
 
 if TYPE_CHECKING:
@@ -35,17 +36,15 @@ class FirstOrderNonLinearDS(Named):
     Parameters
     ----------
     x0 : (n,) initial state
+    plugins : "Plugin:function" of f, and of its derivative
 
     Raises
     ------
     ValueError
-        When the simulation is made: if shapes disagree, or a value is not finite.
-    NotImplementedError
-        For "Plugin:function".
+        If there is no such plugin. When the simulation is made: if shapes disagree, or a value is not finite.
     """
 
     def __init__(self, x0: ArrayLike, *plugins: str) -> None:
-        refuse_plugins(*plugins)
         self._x0 = to_vector(x0, "x0").copy()
         self._M: FloatArray | None = None
         self._f: FloatArray | None = None
@@ -57,6 +56,11 @@ class FirstOrderNonLinearDS(Named):
         #: x and r, kept by the simulation
         self.live = self._x0.copy(), np.zeros(len(self._x0))
         self._seen = tuple(read_only(array) for array in self.live)
+        setters = (self.setComputeFFunction, self.setComputeJacobianfxFunction)
+        if len(plugins) > len(setters):
+            raise TypeError(f"{type(self).__name__} takes {len(setters)} plugins, got {len(plugins)}")
+        for plugin, setter in zip(plugins, setters, strict=False):
+            setter(*split(plugin))
 
     def x(self) -> FloatArray:
         """(n,) the state now, live."""
@@ -112,6 +116,39 @@ class FirstOrderNonLinearDS(Named):
 
     def setJacobianfxPtr(self, jacobian: Any) -> None:
         self._jacobianfx = dense(jacobian, "jacobianfx")
+
+    def setComputeFFunction(self, library: str, function: str) -> None:
+        """f: void f(double t, unsigned n, double* x, double* out, unsigned size_z, double* z).
+
+        Raises ValueError if there is no such library or function, as all of these methods.
+        """
+        self._plug("computef", library, function, "tnaa", lambda: self.f())
+
+    def setComputeJacobianfxFunction(self, library: str, function: str) -> None:
+        """∂f/∂x, with the arguments of f; column by column."""
+        self._plug("computeJacobianfx", library, function, "tnaa", lambda: self.jacobianfx())
+
+    def _plug(
+        self,
+        method: str,
+        library: str,
+        function: str,
+        signature: str,
+        written: Callable[[], FloatArray | None],
+    ) -> None:
+        """Let a function of a plugin stand for an override, of this instance."""
+        call = PluginFunction(library, function, signature)
+        sizes = signature.count("n")
+
+        def compute(time: float, *state: FloatArray) -> None:
+            out = written()
+            assert out is not None  # there is one as soon as there is an override
+            columns = np.zeros(out.shape, order="F")
+            given = [np.array(array, dtype=float) for array in state]
+            call(time, *sizes * (self.dimension(),), *given, columns, z=self._z.copy())
+            out[:] = columns
+
+        vars(self)[method] = compute
 
     def computef(self, time: float, state: FloatArray) -> None:
         """To be overridden."""
@@ -232,6 +269,20 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
 
     setA, setb = setAPtr, setbPtr
 
+    def setComputeAFunction(self, library: str, function: str) -> None:
+        """A(t): void f(double t, unsigned n, unsigned n, double* out, unsigned nz, double* z), by columns.
+
+        Raises ValueError if there is no such library or function.
+        """
+        self._plug("computeA", library, function, "tnna", self.A)
+
+    def setComputebFunction(self, library: str, function: str) -> None:
+        """b(t): void f(double t, unsigned n, double* out, unsigned size_z, double* z).
+
+        Raises ValueError if there is no such library or function.
+        """
+        self._plug("computeb", library, function, "tna", self.b)
+
     def computeA(self, time: float) -> None:
         """To be overridden."""
 
@@ -293,9 +344,12 @@ class FirstOrderLinearTIDS(FirstOrderLinearDS):
 
 
 def overrides(instance: object, *methods: str) -> bool:
-    """Say whether a script's class defines one of them."""
+    """Say whether a script's class defines one of them, or a plugin stands for it."""
     here = "saltus.siconos."
-    return any(not getattr(type(instance), name).__module__.startswith(here) for name in methods)
+    return any(
+        name in vars(instance) or not getattr(type(instance), name).__module__.startswith(here)
+        for name in methods
+    )
 
 
 def freeze(array: FloatArray | None) -> None:
