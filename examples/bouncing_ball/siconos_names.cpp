@@ -1,11 +1,9 @@
-// A ball that bounces on the floor, as a program for Siconos would say it: the header and the namespace are
-// Saltus's, and the integrator is. Writes t, height, velocity, p and the floor's impulse of every step.
-#include "saltus/siconos/kernel.hpp"
+// A ball that bounces on the floor, as a program for Siconos would say it: the header is Saltus's, and the
+// integrator is. Writes t, height, velocity, p and the floor's impulse of every step.
+#include "saltus/kernel.hpp"
 
 #include <cstdio>
 #include <exception>
-
-using namespace saltus::siconos::kernel;
 
 int main(int argc, char* argv[]) try {
   const unsigned n = 3;

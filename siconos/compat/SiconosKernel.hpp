@@ -1,6 +1,6 @@
 #pragma once
 // For programs that stay as they were written for Siconos: with this folder among those of headers they are
-// compiled with Saltus.
+// compiled with Saltus; or they include the same header as <saltus/kernel.hpp>.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
