@@ -44,6 +44,12 @@ def refuse_plugins(*values: object) -> None:
             raise NotThere(f"expected numbers here, plugins are for setCompute...Function, got '{value}'")
 
 
+def refuse_late(taken: bool, what: str) -> None:
+    """Raises NotThere if a simulation has taken as a constant what is about to be set."""
+    if taken:
+        raise NotThere(f"{what} is constant once the simulation is made, its first step does that")
+
+
 def to_vector(values: ArrayLike, what: str) -> FloatArray:
     """(n,) of float64; memory is shared with an array that is one already. Raises ValueError."""
     refuse_plugins(values)

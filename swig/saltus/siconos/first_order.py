@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from saltus import first_order as native
-from saltus.siconos.arrays import Named, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import Named, refuse_late, to_dense, to_matrix, to_vector
 from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import _numbers, read_only
 
@@ -53,6 +53,7 @@ class FirstOrderNonLinearDS(Named):
         self._rhs = np.zeros(len(self._x0))
         self._jacobianRhsx = np.zeros((len(self._x0), len(self._x0)))
         self._number = next(_numbers)
+        self._simulated = False
         #: x and r, kept by the simulation
         self.live = self._x0.copy(), np.zeros(len(self._x0))
         self._seen = tuple(read_only(array) for array in self.live)
@@ -90,6 +91,7 @@ class FirstOrderNonLinearDS(Named):
         return self._M
 
     def setMPtr(self, M: Any) -> None:
+        refuse_late(self._simulated, "M")
         self._M = dense(M, "M")
 
     def z(self) -> FloatArray:
@@ -106,6 +108,7 @@ class FirstOrderNonLinearDS(Named):
         return self._f
 
     def setFPtr(self, f: ArrayLike) -> None:
+        refuse_late(self._simulated and not self.overrides("computef"), "f")
         self._f = to_vector(f, "f")
 
     def jacobianfx(self) -> FloatArray | None:
@@ -208,6 +211,7 @@ class FirstOrderNonLinearDS(Named):
 
     def native(self) -> native.FirstOrderNonLinearDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
+        self._simulated = True
         freeze(self._M)
         if not self.overrides("computef"):
             freeze(self._f)
@@ -262,9 +266,11 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
         return self._b
 
     def setAPtr(self, A: Any) -> None:
+        refuse_late(self._simulated and not self.overrides("computeA"), "A, unless computeA is overridden,")
         self._A = dense(A, "A")
 
     def setbPtr(self, b: ArrayLike) -> None:
+        refuse_late(self._simulated and not self.overrides("computeb"), "b, unless computeb is overridden,")
         self._b = to_vector(b, "b")
 
     setA, setb = setAPtr, setbPtr
@@ -310,6 +316,7 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
         self.computeA(time)
 
     def native(self) -> native.FirstOrderNonLinearDS:
+        self._simulated = True
         freeze(self._M)
         methods: dict[str, Callable[..., None]] = {}
         if self.overrides("computeA"):

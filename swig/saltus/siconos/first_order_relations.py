@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from saltus import first_order as native
-from saltus.siconos.arrays import Named, NotThere, refuse_plugins, to_vector
+from saltus.siconos.arrays import Named, NotThere, refuse_late, refuse_plugins, to_vector
 from saltus.siconos.first_order import dense, derived, freeze, overrides
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ class FirstOrderR(Named):
     def __init__(self) -> None:
         self._matrices: dict[str, FloatArray] = {}
         self._e: FloatArray | None = None
+        self._simulated = False
 
     def C(self) -> FloatArray | None:
         """(rows, n), None if it is not set, likewise the others."""
@@ -50,24 +51,29 @@ class FirstOrderR(Named):
         """(rows,)."""
         return self._e
 
+    def _set(self, name: str, matrix: Any) -> None:
+        refuse_late(self._simulated, name)
+        self._matrices[name] = dense(matrix, name)
+
     def setCPtr(self, C: Any) -> None:
-        self._matrices["C"] = dense(C, "C")
+        self._set("C", C)
 
     def setDPtr(self, D: Any) -> None:
-        self._matrices["D"] = dense(D, "D")
+        self._set("D", D)
 
     setConstantD = setDPtr  # of later versions
 
     def setFPtr(self, F: Any) -> None:
-        self._matrices["F"] = dense(F, "F")
+        self._set("F", F)
 
     def setBPtr(self, B: Any) -> None:
-        self._matrices["B"] = dense(B, "B")
+        self._set("B", B)
 
     def setKPtr(self, K: Any) -> None:
-        self._matrices["K"] = dense(K, "K")
+        self._set("K", K)
 
     def setePtr(self, e: ArrayLike) -> None:
+        refuse_late(self._simulated, "e")
         self._e = to_vector(e, "e")
 
     def isLinear(self) -> bool:
@@ -132,6 +138,7 @@ class FirstOrderLinearR(FirstOrderR):
 
     def native(self, rows: int, z: FloatArray) -> native.FirstOrderNonLinearR:
         constant = self._F_times(rows, z)
+        self._simulated = True
         methods: dict[str, Callable[..., None]] = {}
         for name in ("C", "D", "B"):
             if overrides(self, f"compute{name}"):
@@ -221,6 +228,7 @@ class FirstOrderNonLinearR(FirstOrderR):
 
             return write
 
+        self._simulated = True
         for name, signature in (("computeh", "y"), ("computeg", "r")):
             if not hasattr(type(self), name):
                 raise NotThere(f"{type(self).__name__} must define {name}(self, ..., {signature})")

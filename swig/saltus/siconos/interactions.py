@@ -9,7 +9,7 @@ import numpy as np
 
 from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, refuse_late, to_matrix, to_vector
 from saltus.siconos.first_order_relations import FirstOrderLaw, FirstOrderR
 from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import read_only
@@ -80,6 +80,7 @@ class Relation(Named):
     def __init__(self, *plugins: str) -> None:
         self._jachq: FloatArray | None = None
         self._impulse = _NOTHING
+        self._constant = False  # as soon as a simulation has taken H
         if len(plugins) > len(self._signatures):
             raise TypeError(
                 f"{type(self).__name__} takes {len(self._signatures)} plugins, got {len(plugins)}"
@@ -118,6 +119,7 @@ class Relation(Named):
         return self.jachq()
 
     def setJachqPtr(self, H: Any) -> None:
+        refuse_late(self._constant, "H")
         self._jachq = np.asarray(to_matrix(H, "H"))
 
     def link(self, rows: int, freedoms: int) -> None:
@@ -143,6 +145,7 @@ class LagrangianLinearTIR(Relation):
         return self._b
 
     def native(self, rows: int) -> native.LagrangianLinearTIR:
+        self._constant = True
         return native.LagrangianLinearTIR(self.jachq(), self._b)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from saltus import kernel as native
-from saltus.siconos.arrays import NotThere, to_matrix, to_vector
+from saltus.siconos.arrays import NotThere, refuse_late, to_matrix, to_vector
 from saltus.siconos.interactions import Relation
 from saltus.siconos.systems import DynamicalSystem, difference, read_only
 
@@ -88,9 +88,11 @@ class NewtonEulerDS(DynamicalSystem):
         return self._mExt
 
     def setFExtPtr(self, force: ArrayLike) -> None:
+        refuse_late(self._simulated and not _overridden(self, "computeFExt"), "fExt")
         self._fExt = _three(force, "fExt")
 
     def setMExtPtr(self, moment: ArrayLike) -> None:
+        refuse_late(self._simulated and not _overridden(self, "computeMExt"), "mExt")
         self._mExt = _three(moment, "mExt")
 
     def setIsMextExpressedInInertialFrame(self, value: bool) -> None:

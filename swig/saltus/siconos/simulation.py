@@ -11,7 +11,7 @@ import numpy as np
 from saltus import kernel as native
 from saltus import registry
 from saltus._core import FirstOrderLive, LiveState
-from saltus.siconos.arrays import Named, NotThere
+from saltus.siconos.arrays import Named, NotThere, refuse_late
 from saltus.siconos.first_order import FirstOrderNonLinearDS
 from saltus.siconos.first_order_relations import EulerMoreauOSI, ZeroOrderHoldOSI
 from saltus.siconos.interactions import Interaction
@@ -75,13 +75,18 @@ def _in_place_of_the_scripts(name: str) -> native.OneStepIntegrator:
 
 
 class TimeDiscretisation(Named):
-    """t_k = t0 + k h. Raises NotImplementedError for anything else than two numbers."""
+    """t_k = t0 + k h.
+
+    Raises NotImplementedError for anything else than two numbers, ValueError if h is not positive and finite.
+    """
 
     def __init__(self, t0: float, h: float) -> None:
         try:
             self.t0, self.h = float(t0), float(h)
         except (TypeError, ValueError) as error:
             raise NotThere(f"TimeDiscretisation(t0, h) of two numbers is there, got {t0!r}, {h!r}") from error
+        if not 0.0 < self.h < math.inf:
+            raise ValueError(f"h must be positive and finite, got {self.h:g}")
 
     def currentTimeStep(self, k: int) -> float:
         """[s], whatever k is."""
@@ -99,21 +104,34 @@ class NonSmoothDynamicalSystem(Named):
         self._t0, self._T = float(t0), float(T)
         self.systems: list[Any] = []  # of one kind where a simulation is made
         self.links: list[tuple[Interaction, Any, Any]] = []
+        self._simulated = False
 
     def insertDynamicalSystem(self, ds: System) -> None:
-        """Raises TypeError if it is no system of this package."""
+        """Nothing if it is inserted already.
+
+        Raises TypeError if it is no system of this package, NotImplementedError once the simulation is made.
+        """
+        refuse_late(self._simulated, "a model")
         if not isinstance(ds, System):
             raise TypeError(
                 "expected a LagrangianDS, a FirstOrderNonLinearDS or one derived from them, "
                 f"got {type(ds).__name__}"
             )
-        self.systems.append(ds)
+        if not any(ds is known for known in self.systems):
+            self.systems.append(ds)
 
     def link(self, interaction: Interaction, ds1: System, ds2: System | None = None) -> None:
-        """Let it act between ds1 and the ground or ds2.
+        """Let it act between ds1 and the ground or ds2; nothing if it does so already.
 
-        Raises ValueError if a system is not inserted, TypeError if it is of another kind than the relation.
+        Raises ValueError if a system is not inserted or the interaction is linked elsewhere, TypeError if
+        the system is of another kind than the relation, NotImplementedError once the simulation is made.
         """
+        refuse_late(self._simulated, "a model")
+        for known, *ends in self.links:
+            if known is interaction:
+                if ends[0] is ds1 and ends[1] is ds2:
+                    return
+                raise ValueError("expected an interaction that is not linked to other systems")
         for ds in (ds1, *(() if ds2 is None else (ds2,))):
             if not any(ds is known for known in self.systems):
                 raise ValueError("expected a system that is inserted, insertDynamicalSystem(), before link()")
@@ -170,6 +188,7 @@ class NonSmoothDynamicalSystem(Named):
 
     def first_order_native(self) -> native.FirstOrderSystem:
         """The model of Saltus, as it is now, of first-order systems."""
+        self._simulated = True
         made = {id(ds): ds.native() for ds in self.systems}
         system = native.FirstOrderSystem(list(made.values()), self._t0)
         for interaction, ds1, ds2 in self.links:
@@ -181,6 +200,7 @@ class NonSmoothDynamicalSystem(Named):
 
     def native(self) -> native.NonSmoothDynamicalSystem:
         """The model of Saltus, as it is now, of Lagrangian systems."""
+        self._simulated = True
         made = {id(ds): ds.native() for ds in self.systems}
         system = native.NonSmoothDynamicalSystem(list(made.values()), self._t0)
         for interaction, ds1, ds2 in self.links:
@@ -301,11 +321,14 @@ class TimeStepping(Named):
             )
 
     def insertIntegrator(self, osi: Integrator) -> None:
+        """Raises NotImplementedError once the simulation is made."""
+        refuse_late(self.started, "the integrator")
         self._osi = osi
 
     def insertNonSmoothProblem(self, problem: OneStepNSProblem, id: int = SICONOS_OSNSP_TS_VELOCITY) -> None:
         if id != SICONOS_OSNSP_TS_VELOCITY:
             raise NotThere(f"one problem, SICONOS_OSNSP_TS_VELOCITY = 0, is there, got {id}")
+        refuse_late(self.started, "the problem")
         self._problem = problem
 
     def associate(self, osi: Integrator, ds: System) -> None:

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, refuse_late, to_dense, to_matrix, to_vector
 from saltus.siconos.plugins import PluggedTerms, split
 
 if TYPE_CHECKING:
@@ -132,6 +132,7 @@ class DynamicalSystem(Named):
         """Hold freedoms; the force that this takes is not in p. Raises TypeError if it is something else."""
         if not isinstance(condition, BoundaryCondition):
             raise TypeError(f"expected a BoundaryCondition, got {type(condition).__name__}")
+        refuse_late(self._simulated, "a boundary condition")
         self._boundary = condition
 
     def boundaryConditions(self) -> BoundaryCondition | None:
@@ -227,6 +228,7 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
         self._fInt: FloatArray | None = None
         self.evaluated_at = np.nan  #: [s] time of fExt() in a simulation
         self._fGyr: FloatArray | None = None
+        self._taken: set[str] = set()  # terms that are constants of a simulation
         self._forces: FloatArray | None = None
         self._acceleration = np.zeros(self.dimension())
         self._jacobians: tuple[FloatArray, FloatArray] | None = None
@@ -255,16 +257,25 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
             self._fGyr = np.zeros(self.dimension())
         return self._fGyr
 
+    def _refuse_late(self, term: str) -> None:
+        """Raises NotImplementedError if a simulation has taken the term as a constant."""
+        if term in self._taken:  # overrides set their term in every step
+            refuse_late(True, f"{term}, unless compute{term} is overridden,")
+
     def setMassPtr(self, mass: Any) -> None:
+        self._refuse_late("Mass")
         self._mass = to_matrix(mass, "mass")
 
     def setFExtPtr(self, force: ArrayLike) -> None:
+        self._refuse_late("FExt")
         self._fExt = to_vector(force, "fExt")
 
     def setFIntPtr(self, force: ArrayLike) -> None:
+        self._refuse_late("FInt")
         self._fInt = to_vector(force, "fInt")
 
     def setFGyrPtr(self, force: ArrayLike) -> None:
+        self._refuse_late("FGyr")
         self._fGyr = to_vector(force, "fGyr")
 
     def computeFExt(self, time: float) -> None:
@@ -383,7 +394,10 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
             (self._C, ""),
         )
         for array, term in terms:
-            if isinstance(array, np.ndarray) and not (term and self.varies(term)):
+            if term and self.varies(term):
+                continue
+            self._taken.add(term)
+            if isinstance(array, np.ndarray):
                 array.flags.writeable = False
         self._simulated = True
         if self._plugins and not self.overrides("computeMass", "computeFInt", "computeFGyr", "computeFExt"):
@@ -447,9 +461,11 @@ class LagrangianLinearTIDS(LagrangianDS):
         return self._C
 
     def setKPtr(self, K: Any) -> None:
+        refuse_late(self._simulated, "K")
         self._K = to_matrix(K, "K")
 
     def setCPtr(self, C: Any) -> None:
+        refuse_late(self._simulated, "C")
         self._C = to_matrix(C, "C")
 
 
