@@ -56,6 +56,8 @@ class BoundaryCondition(Named):
 class DynamicalSystem(Named):
     """What mechanical systems have in common: a state, and what contacts do to it.
 
+    What is not Siconos's and could be a name of a script's class is called saltus_...
+
     Parameters
     ----------
     q0, v0 : (coordinates,), (n,) initial position and velocity
@@ -139,11 +141,11 @@ class DynamicalSystem(Named):
         return self._boundary
 
     @property
-    def driven(self) -> bool:
+    def saltus_driven(self) -> bool:
         """Say whether a force that is an override looks at the state at the start of a step."""
         return False
 
-    def held(self) -> native.Interaction | None:
+    def saltus_held(self) -> native.Interaction | None:
         """The boundary condition as a bilateral constraint: q_i stays what it is.
 
         Raises
@@ -177,7 +179,7 @@ class DynamicalSystem(Named):
         q, v, p, force = self.live
         print(f"{type(self).__name__} {self._number}: q = {q}, v = {v}, p(1) = {p}, p(2) = {force}")
 
-    def native(self) -> Any:
+    def saltus_native(self) -> Any:
         """The system of Saltus."""
         raise NotImplementedError
 
@@ -221,12 +223,12 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
         if isinstance(mass, str):
             self.setComputeMassFunction(*split(mass))
             mass = None
-        self._mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
-        self._K: Matrix | None = None
-        self._C: Matrix | None = None
+        self.saltus_mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
+        self.saltus_K: Matrix | None = None
+        self.saltus_C: Matrix | None = None
         self._fExt: FloatArray | None = None
         self._fInt: FloatArray | None = None
-        self.evaluated_at = np.nan  #: [s] time of fExt() in a simulation
+        self.saltus_time = np.nan  #: [s] time of fExt() in a simulation
         self._fGyr: FloatArray | None = None
         self._taken: set[str] = set()  # terms that are constants of a simulation
         self._forces: FloatArray | None = None
@@ -235,9 +237,9 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def mass(self) -> Any:
         """(n, n), to be written by computeMass; fixed for the simulation if that is not overridden."""
-        if self._mass is None:
-            self._mass = np.eye(self.dimension())
-        return self._mass
+        if self.saltus_mass is None:
+            self.saltus_mass = np.eye(self.dimension())
+        return self.saltus_mass
 
     def fExt(self) -> FloatArray:
         """(n,), to be written by computeFExt; fixed for the simulation if that is not overridden."""
@@ -264,7 +266,7 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def setMassPtr(self, mass: Any) -> None:
         self._refuse_late("Mass")
-        self._mass = to_matrix(mass, "mass")
+        self.saltus_mass = to_matrix(mass, "mass")
 
     def setFExtPtr(self, force: ArrayLike) -> None:
         self._refuse_late("FExt")
@@ -375,23 +377,26 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def _plugged(self) -> native.LagrangianDS:
         """With the functions of plugins and the constants, without Python in a step."""
-        M, K, C = (None if matrix is None else to_dense(matrix) for matrix in (self.mass(), self._K, self._C))
+        M, K, C = (
+            None if matrix is None else to_dense(matrix)
+            for matrix in (self.mass(), self.saltus_K, self.saltus_C)
+        )
         force = np.zeros(self.dimension())
         for term, sign in (("FExt", 1.0), ("FInt", -1.0), ("FGyr", -1.0)):
             if term not in self._plugins:
                 force += sign * getattr(self, f"f{term[1:]}")()
         M = None if "Mass" in self._plugins else M
-        return _core.PluggedDS(*self.start(), self._plugins, M, K, C, force, self._z)
+        return _core.PluggedDS(*self.saltus_start(), self._plugins, M, K, C, force, self._z)
 
-    def native(self) -> native.LagrangianDS:
+    def saltus_native(self) -> native.LagrangianDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
         terms: tuple[tuple[Any, str], ...] = (
             (self.mass(), "Mass"),
             (self.fExt(), "FExt"),
             (self.fInt(), "FInt"),
             (self.fGyr(), "FGyr"),
-            (self._K, ""),
-            (self._C, ""),
+            (self.saltus_K, ""),
+            (self.saltus_C, ""),
         )
         for array, term in terms:
             if term and self.varies(term):
@@ -409,22 +414,24 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
         if self.varies("FExt"):
             return _DrivenLinear(self) if self.isLinear() else _Driven(self)
         force = self.fExt() - self.fInt() - self.fGyr()
-        return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
+        return native.LagrangianLinearTIDS(
+            *self.saltus_start(), self.mass(), self.saltus_K, self.saltus_C, force
+        )
 
-    def start(self) -> tuple[FloatArray, FloatArray]:
+    def saltus_start(self) -> tuple[FloatArray, FloatArray]:
         """Position and velocity that a simulation starts from."""
         return self.live[0].copy(), self.live[1].copy()
 
     def evaluate_forces(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """(n,) forces() of the overrides and the constants; meanwhile q() and velocity() are these."""
-        kept = self.start()
+        kept = self.saltus_start()
         self.live[0][:], self.live[1][:] = q, v
         self.computeFExt(t)
         self.computeFInt(t, q, v)
         self.computeFGyr(q, v)
         self.live[0][:], self.live[1][:] = kept
         total = self.fExt() - self.fInt() - self.fGyr()
-        for matrix, factor in ((self._K, q), (self._C, v)):
+        for matrix, factor in ((self.saltus_K, q), (self.saltus_C, v)):
             if matrix is not None:
                 total -= matrix @ factor
         return total
@@ -451,22 +458,22 @@ class LagrangianLinearTIDS(LagrangianDS):
         return True
 
     @property
-    def driven(self) -> bool:
+    def saltus_driven(self) -> bool:
         return self.overrides("computeFExt")
 
     def K(self) -> Matrix | None:
-        return self._K
+        return self.saltus_K
 
     def C(self) -> Matrix | None:
-        return self._C
+        return self.saltus_C
 
     def setKPtr(self, K: Any) -> None:
         refuse_late(self._simulated, "K")
-        self._K = to_matrix(K, "K")
+        self.saltus_K = to_matrix(K, "K")
 
     def setCPtr(self, C: Any) -> None:
         refuse_late(self._simulated, "C")
-        self._C = to_matrix(C, "C")
+        self.saltus_C = to_matrix(C, "C")
 
 
 class LagrangianLinearDiagonalDS(LagrangianLinearTIDS):
@@ -501,7 +508,7 @@ class _Nonlinear(native.LagrangianDS):
     """Forces by overrides, derivatives by differences; meanwhile q() and velocity() are those of the call."""
 
     def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
-        super().__init__(*ds.start(), mass)
+        super().__init__(*ds.saltus_start(), mass)
         self.ds = ds
         self._q, self._v, _, _ = ds.live
         self._ext, self._int, self._gyr = (ds.varies(name) for name in ("FExt", "FInt", "FGyr"))
@@ -510,7 +517,9 @@ class _Nonlinear(native.LagrangianDS):
             if not varies:
                 constant += term
         self._constant = constant if constant.any() else None
-        self._linear = tuple((k, matrix) for k, matrix in enumerate((ds._K, ds._C)) if matrix is not None)
+        self._linear = tuple(
+            (k, matrix) for k, matrix in enumerate((ds.saltus_K, ds.saltus_C)) if matrix is not None
+        )
 
     # Several calls a step: what is zero is left out
     def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
@@ -542,15 +551,15 @@ class _DrivenLinear(native.LagrangianLinearTIDS):
     """An external force by override, all else linear. It may look at the state at the start of the step."""
 
     def __init__(self, ds: LagrangianDS) -> None:
-        super().__init__(*ds.start(), ds.mass(), ds._K, ds._C)
+        super().__init__(*ds.saltus_start(), ds.mass(), ds.saltus_K, ds.saltus_C)
         self._ds = ds
         self._constant = ds.fInt() + ds.fGyr()
         self._plain = not self._constant.any()
 
     def external_force(self, t: float, out: FloatArray) -> None:
         ds = self._ds
-        if t != ds.evaluated_at:  # schemes ask twice at the end of a step
-            ds.evaluated_at = t
+        if t != ds.saltus_time:  # schemes ask twice at the end of a step
+            ds.saltus_time = t
             ds.computeFExt(t)
         out[:] = ds._fExt
         if not self._plain:
