@@ -2,8 +2,8 @@
 
     python tests/siconos/side_by_side.py [SCRIPT]...
 
-prints a table, of all that both can run if none is named. The time is that of the calls that take a step, without
-what the script does between them, the median of five runs. Needs Debian's python3-siconos.
+prints a table, of all that both can run if none is named. The time is that of the calls that take a step,
+without what the script does between them, the median of five runs. Needs Debian's python3-siconos.
 """
 
 from __future__ import annotations
