@@ -56,3 +56,11 @@ def test_other_names_say_what_is_there():
 
 def test_what_changes_nothing_is_taken():
     assert [getattr(sn, name)(0) for name in sn.HINTS] == [0] * len(sn.HINTS)
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_arrays_of_integers_cannot_take_a_solution(place):
+    arrays = [np.zeros(2), np.zeros(2)]
+    arrays[place] = np.zeros(2, dtype=int)
+    with pytest.raises(TypeError, match="expected an array of float64, got int64"):
+        sn.lcp_lexicolemke(sn.LCP(M, Q), *arrays, sn.SolverOptions(sn.SICONOS_LCP_LEMKE))

@@ -147,6 +147,7 @@ def test_each_build_starts_where_the_script_does(tmp_path):
     ("text", "message"),
     [
         ("import siconos.kernel\n", "must simulate something, got to its end without a step"),
+        ("import siconos.kernel\nraise SystemExit(0)\n", r"must simulate something, got sys.exit\(0\)"),
         ("import siconos.kernel\n1 / 0\n", "failed: ZeroDivisionError: division by zero"),
         ((SCRIPTS / "diode_bridge.py").read_text(), "is of first order, expected a mechanical model"),
     ],

@@ -221,7 +221,15 @@ def _drive(
     -------
     int
         0 if it is solved, else 1.
+
+    Raises
+    ------
+    TypeError
+        If z or w is an array that cannot hold real numbers.
     """
+    for name, array in (("z", z), ("w", w)):
+        if isinstance(array, np.ndarray) and not np.issubdtype(array.dtype, np.floating):
+            raise TypeError(f"{name} is written into: expected an array of float64, got {array.dtype}")
     tolerance = float(options.dparam[SICONOS_DPARAM_TOL])
     solution = problem.solve(method or options.method, tolerance, np.array(z))
     z[:] = solution.solution

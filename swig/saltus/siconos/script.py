@@ -84,6 +84,8 @@ def compose(path: str | os.PathLike[str]) -> TimeStepping:
             run_script(path, Changes(compose=True))
     except Composed as composed:
         return composed.simulation
+    except SystemExit as end:
+        raise ValueError(f"'{text}' must simulate something, got sys.exit({end.code})") from end
     except Exception as error:
         raise ValueError(f"'{text}' failed: {type(error).__name__}: {error}") from error
     raise ValueError(f"'{text}' must simulate something, got to its end without a step")
