@@ -278,3 +278,16 @@ def test_plugins_stand_for_overrides(tmp_path):
         np.testing.assert_allclose(plugged.jacobianRhsx(), own.jacobianRhsx(), rtol=1e-13)
     with pytest.raises(ValueError, match="the library exports no 'nothing'"):
         linear.setComputebFunction(library, "nothing")
+
+
+def test_linear_relations_can_be_filled_one_by_one():
+    rows = []
+    empty = sk.FirstOrderLinearTIR()
+    for relation in (empty, sk.FirstOrderLinearTIR([[1.0]], [[2.0]])):
+        if relation is empty:
+            with pytest.raises(ValueError, match=r"expected setCPtr\(\) and setBPtr\(\)"):
+                simulate(sk.FirstOrderLinearTIDS([1.0], [[-1.0]]), relation, sk.RelayNSL(1), steps=1)
+            relation.setCPtr([[1.0]])
+            relation.setBPtr([[2.0]])
+        rows.append(simulate(sk.FirstOrderLinearTIDS([1.0], [[-1.0]]), relation, sk.RelayNSL(1), steps=3))
+    np.testing.assert_array_equal(*rows)

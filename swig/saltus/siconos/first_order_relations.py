@@ -100,7 +100,8 @@ class FirstOrderLinearR(FirstOrderR):
     ----------
     C : (rows, n)
     B : (n, rows)
-    D, F, e : instead FirstOrderLinearR(C, D, F, e, B); or setDPtr(), setFPtr(), setePtr()
+    D, F, e : instead FirstOrderLinearR(C, D, F, e, B); or setDPtr(), setFPtr(), setePtr(). Without
+        arguments setCPtr() and setBPtr() as well
 
     Raises
     ------
@@ -111,9 +112,11 @@ class FirstOrderLinearR(FirstOrderR):
     def __init__(self, *matrices: Any) -> None:
         super().__init__()
         refuse_plugins(*matrices)
-        if len(matrices) not in (2, 5):
+        if len(matrices) not in (0, 2, 5):
             name = type(self).__name__
             raise TypeError(f"{name} takes C, B or C, D, F, e, B, got {len(matrices)} arguments")
+        if not matrices:
+            return
         self.setCPtr(matrices[0])
         self.setBPtr(matrices[-1])
         if len(matrices) == 5:
@@ -138,7 +141,6 @@ class FirstOrderLinearR(FirstOrderR):
 
     def native(self, rows: int, z: FloatArray) -> native.FirstOrderNonLinearR:
         constant = self._F_times(rows, z)
-        self._simulated = True
         methods: dict[str, Callable[..., None]] = {}
         for name in ("C", "D", "B"):
             if overrides(self, f"compute{name}"):
@@ -152,7 +154,11 @@ class FirstOrderLinearR(FirstOrderR):
             if self._e is not None:
                 constant = self._e if constant is None else self._e + constant
         base: Any = derived(native.FirstOrderLinearR, methods) if methods else native.FirstOrderLinearTIR
-        made: native.FirstOrderNonLinearR = base(self.C(), self.B(), self.D(), constant)
+        C, B, D = map(self._matrices.get, ("C", "B", "D"))
+        if C is None or B is None:
+            raise ValueError("expected setCPtr() and setBPtr() of a linear relation before the first step")
+        self._simulated = True
+        made: native.FirstOrderNonLinearR = base(C, B, D, constant)
         return made
 
     def _F_times(self, rows: int, z: FloatArray) -> FloatArray | None:

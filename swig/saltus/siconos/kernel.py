@@ -85,7 +85,6 @@ __all__ = [
     "SPARSE",
     "TD_EVENT",
     "BoundaryCondition",
-    "EqualityConditionNSL",
     "EventDriven",
     "ComplementarityConditionNSL",
     "EqualityConditionNSL",
