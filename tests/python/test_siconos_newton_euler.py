@@ -170,7 +170,7 @@ def test_misuse_says_what_was_expected():
     ds = sk.LagrangianLinearTIDS([0.0], [0.0], [[1.0]])
     ds.setBoundaryConditions(sk.FixedBC([3]))
     with pytest.raises(ValueError, match=r"names velocities from 0 to 0, got \[3\]"):
-        ds.saltus_held()
+        ds.held()
     with pytest.raises(NotImplementedError, match="velocities of a boundary condition are zero"):
         sk.BoundaryCondition([0], [1.0])
     with pytest.raises(ValueError, match="nc must have 3 entries, got 2"):

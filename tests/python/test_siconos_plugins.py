@@ -140,7 +140,7 @@ def test_a_plugin_that_depends_on_the_time_moves_as_the_same_override(pendulum):
 def test_no_python_is_in_the_loop(pendulum):
     ds = sk.LagrangianDS([1.0, 0.2], [0.0, 0.5], np.eye(2))
     ds.setComputeFIntFunction(pendulum, "internal_force")
-    assert isinstance(ds.saltus_native(), PluggedDS)
+    assert isinstance(ds.native(), PluggedDS)
     circle = sk.LagrangianScleronomousR(f"{pendulum}:distance", f"{pendulum}:gradient")
     assert isinstance(circle.native(1), PluggedRelation)
     names = [f"{pendulum}:height{which}" for which in ("", "_gradient", "_rate")]
@@ -170,7 +170,7 @@ def test_jacobians_are_column_by_column(own):
     exact = run(linear, osi=sk.MoreauJeanOSI(1.0), h=0.2, T=4.0)
     for ds in (given, unsymmetric(own)):  # without them derivatives are found by differences
         np.testing.assert_allclose(run(ds, osi=sk.MoreauJeanOSI(1.0), h=0.2, T=4.0).q, exact.q, atol=1e-12)
-    model = native.NonSmoothDynamicalSystem([given.saltus_native()])
+    model = native.NonSmoothDynamicalSystem([given.native()])
     assert model.check().ok
 
 

@@ -158,18 +158,3 @@ def test_everything_can_be_imported_by_a_star():
     names: dict[str, object] = {}
     exec("from saltus.siconos.kernel import *\nfrom saltus.siconos.numerics import *", names)  # noqa: S102
     assert {"LCP", "MoreauJeanOSI", "SICONOS_LCP_LEMKE", "fc3d_nsgs", "EventDriven"} <= set(names)
-
-
-def test_attributes_of_a_scripts_class_are_its_own():
-    class Ball(sk.LagrangianLinearTIDS):
-        def __init__(self, mass):
-            self._mass, self.start, self._K, self.native = mass, 0.0, 2.0, None
-            super().__init__([1.0], [0.0], [[mass]])
-            self.held, self.driven, self._C = True, "wind", 3.0
-
-    ball = Ball(2.0)
-    ball.setFExtPtr([-4.0])
-    model = sk.NonSmoothDynamicalSystem(0.0, 1.0)
-    model.insertDynamicalSystem(ball)
-    sk.TimeStepping(model, sk.TimeDiscretisation(0.0, 0.5), sk.MoreauJeanOSI(0.5)).run()
-    assert (ball.q()[0], ball.velocity()[0]) == (0.0, -2.0)

@@ -209,7 +209,7 @@ class FirstOrderNonLinearDS(Named):
         """Say whether the script's class defines one of them."""
         return overrides(self, *methods)
 
-    def saltus_native(self) -> native.FirstOrderNonLinearDS:
+    def native(self) -> native.FirstOrderNonLinearDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
         self._simulated = True
         freeze(self._M)
@@ -315,7 +315,7 @@ class FirstOrderLinearDS(FirstOrderNonLinearDS):
     def computeJacobianfx(self, time: float, state: FloatArray) -> None:
         self.computeA(time)
 
-    def saltus_native(self) -> native.FirstOrderNonLinearDS:
+    def native(self) -> native.FirstOrderNonLinearDS:
         self._simulated = True
         freeze(self._M)
         methods: dict[str, Callable[..., None]] = {}

@@ -159,7 +159,7 @@ class NewtonEulerDS(DynamicalSystem):
         self.computeRhs(time)
         self.computeJacobianRhsx(time)
 
-    def saltus_native(self) -> native.NewtonEulerDS:
+    def native(self) -> native.NewtonEulerDS:
         """The body of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
         self._simulated = True
         varying = {name: _overridden(self, name) for name in ("computeFExt", "computeMExt")}

@@ -189,7 +189,7 @@ class NonSmoothDynamicalSystem(Named):
     def first_order_native(self) -> native.FirstOrderSystem:
         """The model of Saltus, as it is now, of first-order systems."""
         self._simulated = True
-        made = {id(ds): ds.saltus_native() for ds in self.systems}
+        made = {id(ds): ds.native() for ds in self.systems}
         system = native.FirstOrderSystem(list(made.values()), self._t0)
         for interaction, ds1, ds2 in self.links:
             ends = [ds for ds in (ds1, ds2) if ds is not None]
@@ -201,14 +201,14 @@ class NonSmoothDynamicalSystem(Named):
     def native(self) -> native.NonSmoothDynamicalSystem:
         """The model of Saltus, as it is now, of Lagrangian systems."""
         self._simulated = True
-        made = {id(ds): ds.saltus_native() for ds in self.systems}
+        made = {id(ds): ds.native() for ds in self.systems}
         system = native.NonSmoothDynamicalSystem(list(made.values()), self._t0)
         for interaction, ds1, ds2 in self.links:
             freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
             second = None if ds2 is None else made[id(ds2)]
             system.link(interaction.native(freedoms), made[id(ds1)], second)
         for ds in self.systems:
-            if (held := ds.saltus_held()) is not None:
+            if (held := ds.held()) is not None:
                 system.link(held, made[id(ds)])
         return system
 
@@ -378,7 +378,7 @@ class TimeStepping(Named):
         dt = self._h / self._substeps
         scheme = _in_place_of_the_scripts(integrator) if isinstance(integrator, str) else integrator
         simulation = native.TimeStepping(self._nsds.native(), scheme, dt, solver=solver, tolerance=tolerance)
-        self._driven = [ds for ds in self._nsds.systems if ds.saltus_driven]
+        self._driven = [ds for ds in self._nsds.systems if ds.driven]
         systems = [ds.live for ds in self._nsds.systems]
         contacts = [interaction.live for interaction, _, _ in self._nsds.links]
         simulation.add_observer(LiveState(systems, contacts, dt, self._substeps))
@@ -432,7 +432,7 @@ class TimeStepping(Named):
         simulation = self._simulation or self._start()
         for _ in range(self._substeps):
             for ds in self._driven:  # the state has moved on
-                ds.saltus_time = math.nan
+                ds.evaluated_at = math.nan
             simulation.step()
         self._computed = True
 

@@ -56,8 +56,6 @@ class BoundaryCondition(Named):
 class DynamicalSystem(Named):
     """What mechanical systems have in common: a state, and what contacts do to it.
 
-    What is not Siconos's and could be a name of a script's class is called saltus_...
-
     Parameters
     ----------
     q0, v0 : (coordinates,), (n,) initial position and velocity
@@ -141,11 +139,11 @@ class DynamicalSystem(Named):
         return self._boundary
 
     @property
-    def saltus_driven(self) -> bool:
+    def driven(self) -> bool:
         """Say whether a force that is an override looks at the state at the start of a step."""
         return False
 
-    def saltus_held(self) -> native.Interaction | None:
+    def held(self) -> native.Interaction | None:
         """The boundary condition as a bilateral constraint: q_i stays what it is.
 
         Raises
@@ -179,7 +177,7 @@ class DynamicalSystem(Named):
         q, v, p, force = self.live
         print(f"{type(self).__name__} {self._number}: q = {q}, v = {v}, p(1) = {p}, p(2) = {force}")
 
-    def saltus_native(self) -> Any:
+    def native(self) -> Any:
         """The system of Saltus."""
         raise NotImplementedError
 
@@ -223,12 +221,12 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
         if isinstance(mass, str):
             self.setComputeMassFunction(*split(mass))
             mass = None
-        self.saltus_mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
-        self.saltus_K: Matrix | None = None
-        self.saltus_C: Matrix | None = None
+        self._mass: Matrix | None = None if mass is None else to_matrix(mass, "mass")
+        self._K: Matrix | None = None
+        self._C: Matrix | None = None
         self._fExt: FloatArray | None = None
         self._fInt: FloatArray | None = None
-        self.saltus_time = np.nan  #: [s] time of fExt() in a simulation
+        self.evaluated_at = np.nan  #: [s] time of fExt() in a simulation
         self._fGyr: FloatArray | None = None
         self._taken: set[str] = set()  # terms that are constants of a simulation
         self._forces: FloatArray | None = None
@@ -237,9 +235,9 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def mass(self) -> Any:
         """(n, n), to be written by computeMass; fixed for the simulation if that is not overridden."""
-        if self.saltus_mass is None:
-            self.saltus_mass = np.eye(self.dimension())
-        return self.saltus_mass
+        if self._mass is None:
+            self._mass = np.eye(self.dimension())
+        return self._mass
 
     def fExt(self) -> FloatArray:
         """(n,), to be written by computeFExt; fixed for the simulation if that is not overridden."""
@@ -266,7 +264,7 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def setMassPtr(self, mass: Any) -> None:
         self._refuse_late("Mass")
-        self.saltus_mass = to_matrix(mass, "mass")
+        self._mass = to_matrix(mass, "mass")
 
     def setFExtPtr(self, force: ArrayLike) -> None:
         self._refuse_late("FExt")
@@ -377,26 +375,23 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def _plugged(self) -> native.LagrangianDS:
         """With the functions of plugins and the constants, without Python in a step."""
-        M, K, C = (
-            None if matrix is None else to_dense(matrix)
-            for matrix in (self.mass(), self.saltus_K, self.saltus_C)
-        )
+        M, K, C = (None if matrix is None else to_dense(matrix) for matrix in (self.mass(), self._K, self._C))
         force = np.zeros(self.dimension())
         for term, sign in (("FExt", 1.0), ("FInt", -1.0), ("FGyr", -1.0)):
             if term not in self._plugins:
                 force += sign * getattr(self, f"f{term[1:]}")()
         M = None if "Mass" in self._plugins else M
-        return _core.PluggedDS(*self.saltus_start(), self._plugins, M, K, C, force, self._z)
+        return _core.PluggedDS(*self.start(), self._plugins, M, K, C, force, self._z)
 
-    def saltus_native(self) -> native.LagrangianDS:
+    def native(self) -> native.LagrangianDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
         terms: tuple[tuple[Any, str], ...] = (
             (self.mass(), "Mass"),
             (self.fExt(), "FExt"),
             (self.fInt(), "FInt"),
             (self.fGyr(), "FGyr"),
-            (self.saltus_K, ""),
-            (self.saltus_C, ""),
+            (self._K, ""),
+            (self._C, ""),
         )
         for array, term in terms:
             if term and self.varies(term):
@@ -414,24 +409,22 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
         if self.varies("FExt"):
             return _DrivenLinear(self) if self.isLinear() else _Driven(self)
         force = self.fExt() - self.fInt() - self.fGyr()
-        return native.LagrangianLinearTIDS(
-            *self.saltus_start(), self.mass(), self.saltus_K, self.saltus_C, force
-        )
+        return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
 
-    def saltus_start(self) -> tuple[FloatArray, FloatArray]:
+    def start(self) -> tuple[FloatArray, FloatArray]:
         """Position and velocity that a simulation starts from."""
         return self.live[0].copy(), self.live[1].copy()
 
     def evaluate_forces(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """(n,) forces() of the overrides and the constants; meanwhile q() and velocity() are these."""
-        kept = self.saltus_start()
+        kept = self.start()
         self.live[0][:], self.live[1][:] = q, v
         self.computeFExt(t)
         self.computeFInt(t, q, v)
         self.computeFGyr(q, v)
         self.live[0][:], self.live[1][:] = kept
         total = self.fExt() - self.fInt() - self.fGyr()
-        for matrix, factor in ((self.saltus_K, q), (self.saltus_C, v)):
+        for matrix, factor in ((self._K, q), (self._C, v)):
             if matrix is not None:
                 total -= matrix @ factor
         return total
@@ -458,22 +451,22 @@ class LagrangianLinearTIDS(LagrangianDS):
         return True
 
     @property
-    def saltus_driven(self) -> bool:
+    def driven(self) -> bool:
         return self.overrides("computeFExt")
 
     def K(self) -> Matrix | None:
-        return self.saltus_K
+        return self._K
 
     def C(self) -> Matrix | None:
-        return self.saltus_C
+        return self._C
 
     def setKPtr(self, K: Any) -> None:
         refuse_late(self._simulated, "K")
-        self.saltus_K = to_matrix(K, "K")
+        self._K = to_matrix(K, "K")
 
     def setCPtr(self, C: Any) -> None:
         refuse_late(self._simulated, "C")
-        self.saltus_C = to_matrix(C, "C")
+        self._C = to_matrix(C, "C")
 
 
 class LagrangianLinearDiagonalDS(LagrangianLinearTIDS):
@@ -508,7 +501,7 @@ class _Nonlinear(native.LagrangianDS):
     """Forces by overrides, derivatives by differences; meanwhile q() and velocity() are those of the call."""
 
     def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
-        super().__init__(*ds.saltus_start(), mass)
+        super().__init__(*ds.start(), mass)
         self.ds = ds
         self._q, self._v, _, _ = ds.live
         self._ext, self._int, self._gyr = (ds.varies(name) for name in ("FExt", "FInt", "FGyr"))
@@ -517,9 +510,7 @@ class _Nonlinear(native.LagrangianDS):
             if not varies:
                 constant += term
         self._constant = constant if constant.any() else None
-        self._linear = tuple(
-            (k, matrix) for k, matrix in enumerate((ds.saltus_K, ds.saltus_C)) if matrix is not None
-        )
+        self._linear = tuple((k, matrix) for k, matrix in enumerate((ds._K, ds._C)) if matrix is not None)
 
     # Several calls a step: what is zero is left out
     def forces(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
@@ -551,15 +542,15 @@ class _DrivenLinear(native.LagrangianLinearTIDS):
     """An external force by override, all else linear. It may look at the state at the start of the step."""
 
     def __init__(self, ds: LagrangianDS) -> None:
-        super().__init__(*ds.saltus_start(), ds.mass(), ds.saltus_K, ds.saltus_C)
+        super().__init__(*ds.start(), ds.mass(), ds._K, ds._C)
         self._ds = ds
         self._constant = ds.fInt() + ds.fGyr()
         self._plain = not self._constant.any()
 
     def external_force(self, t: float, out: FloatArray) -> None:
         ds = self._ds
-        if t != ds.saltus_time:  # schemes ask twice at the end of a step
-            ds.saltus_time = t
+        if t != ds.evaluated_at:  # schemes ask twice at the end of a step
+            ds.evaluated_at = t
             ds.computeFExt(t)
         out[:] = ds._fExt
         if not self._plain:
