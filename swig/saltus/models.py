@@ -29,6 +29,7 @@ from saltus.examples.rolling_sphere import rolling_sphere
 from saltus.examples.rotor import rotor
 from saltus.examples.slider_crank import slider_crank
 from saltus.examples.woodpecker import woodpecker
+from saltus.siconos.arrays import methods
 from saltus.siconos.script import compose, is_script
 
 
@@ -228,11 +229,12 @@ def _of_script(text: str) -> Model:
     """Every build() runs the script anew up to its first step, as its systems carry their state."""
     simulation = compose(text)
     nsds = simulation.nonSmoothDynamicalSystem()
-    if nsds.first_order:
+    if nsds._first_order:
         raise ValueError(f"'{text}' is of first order, expected a mechanical model: run it by `saltus run`")
 
     def build_it() -> NonSmoothDynamicalSystemBase:
-        return compose(text).nonSmoothDynamicalSystem().native()
+        made: NonSmoothDynamicalSystemBase = methods(compose(text).nonSmoothDynamicalSystem()).native()
+        return made
 
     return Model(text, "script for Siconos", build_it, simulation.timeStep(), nsds.finalT())
 

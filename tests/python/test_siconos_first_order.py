@@ -34,8 +34,8 @@ def test_right_hand_sides_are_those_of_the_formulas():
     np.testing.assert_array_equal(ds.f(), [2.5, -0.5])
     assert ds.isLinear()
     assert ds.dimension() == ds.n() == 2
-    ds.live[0][:] = 7.0
-    ds.live[1][:] = 1.0
+    ds._live[0][:] = 7.0
+    ds._live[1][:] = 1.0
     ds.resetToInitialState()
     ds.resetNonSmoothPart(0)
     np.testing.assert_array_equal(ds.x(), [1.0, 2.0])

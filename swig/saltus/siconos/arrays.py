@@ -37,6 +37,19 @@ class Named:
         raise NotThere(f"{cls.__name__}.{name} is not there, there are {', '.join(there)}")
 
 
+class _Methods:
+    def __init__(self, instance: Named) -> None:
+        self._instance = instance
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(type(self._instance), name).__get__(self._instance)
+
+
+def methods(instance: Named) -> Any:
+    """Methods of an object by its class: a script may keep attributes of the same names, as `self.mass`."""
+    return _Methods(instance)
+
+
 def refuse_plugins(*values: object) -> None:
     """Raises NotThere if one of the values is a text: "Plugin:function"."""
     for value in values:

@@ -166,8 +166,8 @@ class EventDriven(TimeStepping):
     nextStep = processEvents
 
     def _arrays(self) -> list[FloatArray]:
-        systems, links = self._nsds.systems, self._nsds.links
-        lives = [ds.live for ds in systems] + [interaction.live for interaction, _, _ in links]
+        systems, links = self._nsds._systems, self._nsds._links
+        lives = [ds._live for ds in systems] + [interaction._live for interaction, _, _ in links]
         return [array for live in lives for array in live]
 
     def _show(self, event: Event, *, before: bool) -> None:
@@ -178,16 +178,16 @@ class EventDriven(TimeStepping):
         rates = event.velocities_before if before else event.velocities
         impulses = (zero[0], zero[1]) if before else (event.generalised_impulse, event.impulse)
         forces = (zero[0], zero[1]) if before else (event.generalised_force, event.force)
-        for ds in self._nsds.systems:
-            coordinates, n = len(ds.live[0]), len(ds.live[1])
-            ds.live[0][:] = event.q[q : q + coordinates]
-            for array, values in zip(ds.live[1:], (velocity, impulses[0], forces[0]), strict=True):
+        for ds in self._nsds._systems:
+            coordinates, n = len(ds._live[0]), len(ds._live[1])
+            ds._live[0][:] = event.q[q : q + coordinates]
+            for array, values in zip(ds._live[1:], (velocity, impulses[0], forces[0]), strict=True):
                 array[:] = values[v : v + n]
             q, v = q + coordinates, v + n
-        for interaction, _, _ in self._nsds.links:
-            gaps, rows = len(interaction.live[0]), len(interaction.live[1])
-            interaction.live[0][:] = event.gaps[gap : gap + gaps]
-            for array, values in zip(interaction.live[1:], (rates, impulses[1], forces[1]), strict=True):
+        for interaction, _, _ in self._nsds._links:
+            gaps, rows = len(interaction._live[0]), len(interaction._live[1])
+            interaction._live[0][:] = event.gaps[gap : gap + gaps]
+            for array, values in zip(interaction._live[1:], (rates, impulses[1], forces[1]), strict=True):
                 array[:] = values[row : row + rows]
             gap, row = gap + gaps, row + rows
 
@@ -195,5 +195,5 @@ class EventDriven(TimeStepping):
         """Every live array at the end of the step, where no impulse acts."""
         for array, kept in zip(self._arrays(), self._end, strict=True):
             array[:] = kept
-        for live in [ds.live for ds in self._nsds.systems] + [link[0].live for link in self._nsds.links]:
+        for live in [ds._live for ds in self._nsds._systems] + [link[0]._live for link in self._nsds._links]:
             live[2][:] = 0.0

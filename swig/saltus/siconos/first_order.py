@@ -55,8 +55,8 @@ class FirstOrderNonLinearDS(Named):
         self._number = next(_numbers)
         self._simulated = False
         #: x and r, kept by the simulation
-        self.live = self._x0.copy(), np.zeros(len(self._x0))
-        self._seen = tuple(read_only(array) for array in self.live)
+        self._live = self._x0.copy(), np.zeros(len(self._x0))
+        self._seen = tuple(read_only(array) for array in self._live)
         setters = (self.setComputeFFunction, self.setComputeJacobianfxFunction)
         if len(plugins) > len(setters):
             raise TypeError(f"{type(self).__name__} takes {len(setters)} plugins, got {len(plugins)}")
@@ -191,10 +191,10 @@ class FirstOrderNonLinearDS(Named):
     initRhs = update
 
     def resetToInitialState(self) -> None:
-        self.live[0][:] = self._x0
+        self._live[0][:] = self._x0
 
     def resetAllNonSmoothParts(self) -> None:
-        self.live[1][:] = 0.0
+        self._live[1][:] = 0.0
 
     def resetNonSmoothPart(self, level: int) -> None:
         """There is one level, whatever is said."""

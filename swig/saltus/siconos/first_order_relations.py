@@ -157,13 +157,12 @@ class FirstOrderLinearR(FirstOrderR):
         C, B, D = map(self._matrices.get, ("C", "B", "D"))
         if C is None or B is None:
             raise ValueError("expected setCPtr() and setBPtr() of a linear relation before the first step")
-        self._simulated = True
         made: native.FirstOrderNonLinearR = base(C, B, D, constant)
         return made
 
     def _F_times(self, rows: int, z: FloatArray) -> FloatArray | None:
         """F z, None if there is no F."""
-        F = self.F()
+        F = self._matrices.get("F")
         if F is None:
             return None
         if F.shape != (rows, len(z)):

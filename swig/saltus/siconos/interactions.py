@@ -9,7 +9,7 @@ import numpy as np
 
 from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, refuse_late, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, methods, refuse_late, to_matrix, to_vector
 from saltus.siconos.first_order_relations import FirstOrderLaw, FirstOrderR
 from saltus.siconos.plugins import PluginFunction, split
 from saltus.siconos.systems import read_only
@@ -146,7 +146,7 @@ class LagrangianLinearTIR(Relation):
 
     def native(self, rows: int) -> native.LagrangianLinearTIR:
         self._constant = True
-        return native.LagrangianLinearTIR(self.jachq(), self._b)
+        return native.LagrangianLinearTIR(methods(self).jachq(), self._b)
 
 
 class LagrangianScleronomousR(Relation):
@@ -239,7 +239,7 @@ class _Scleronomous(native.LagrangianScleronomousR):
 
     def __init__(self, relation: LagrangianScleronomousR, rows: int) -> None:
         super().__init__(rows)
-        self._relation = relation
+        self._relation: Any = relation
         self._y = np.zeros(rows)
 
     def gap(self, q: FloatArray, out: FloatArray) -> None:
@@ -248,13 +248,13 @@ class _Scleronomous(native.LagrangianScleronomousR):
 
     def jacobian(self, q: FloatArray, out: FloatArray) -> None:
         self._relation.computeJachq(q, _NOTHING)
-        out[:] = self._relation.jachq()
+        out[:] = self._relation._jachq
 
 
 class _Rheonomous(native.LagrangianRheonomousR):
     def __init__(self, relation: LagrangianRheonomousR, rows: int) -> None:
         super().__init__(rows)
-        self._relation = relation
+        self._relation: Any = relation
         self._y = np.zeros(rows)
 
     def gap(self, t: float, q: FloatArray, out: FloatArray) -> None:
@@ -263,7 +263,7 @@ class _Rheonomous(native.LagrangianRheonomousR):
 
     def jacobian(self, t: float, q: FloatArray, out: FloatArray) -> None:
         self._relation.computeJachq(t, q, _NOTHING)
-        out[:] = self._relation.jachq()
+        out[:] = self._relation._jachq
 
     def motion(self, t: float, q: FloatArray, out: FloatArray) -> None:
         self._relation.computehDot(t, q, _NOTHING)
@@ -280,8 +280,8 @@ class Interaction(Named):
     _relation: Any
 
     def __init__(self, law: Any, relation: Any) -> None:
-        self.first_order = isinstance(relation, FirstOrderR)
-        laws = (FirstOrderLaw, EqualityConditionNSL) if self.first_order else NonSmoothLaw
+        self._first_order = isinstance(relation, FirstOrderR)
+        laws = (FirstOrderLaw, EqualityConditionNSL) if self._first_order else NonSmoothLaw
         if not isinstance(law, laws) or not isinstance(relation, Relation | FirstOrderR):
             got = f"{type(law).__name__}, {type(relation).__name__}"
             raise TypeError(f"an Interaction takes a law and a relation, got {got}: they must go together")
@@ -290,19 +290,19 @@ class Interaction(Named):
         self._number = next(_numbers)
         rows = law.size()
         #: kept by the simulation: y(0), y(1), lambda_(1), lambda_(2), of first-order systems y(0), lambda_(0)
-        self.live: Any
-        if self.first_order:
-            self.live = np.zeros(rows), np.zeros(rows)
+        self._live: Any
+        if self._first_order:
+            self._live = np.zeros(rows), np.zeros(rows)
         else:
             unilateral = not isinstance(law, EqualityConditionNSL)
             gaps = 1 if unilateral else rows
-            self.live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
-        seen = [read_only(array) for array in self.live]
+            self._live = np.zeros(gaps), np.zeros(rows), np.zeros(rows), np.zeros(rows)
+        seen = [read_only(array) for array in self._live]
         outputs = len(seen) // 2
         self._outputs = dict(enumerate(seen[:outputs]))
         self._multipliers = dict(enumerate(seen[outputs:], start=outputs - 1))
         if isinstance(relation, Relation):
-            relation.follow(seen[outputs])
+            methods(relation).follow(seen[outputs])
 
     def y(self, level: int) -> FloatArray:
         """y(0) the gap [m], of a bilateral constraint all rows; y(1) (rows,) the velocities [m/s].
@@ -349,5 +349,7 @@ class Interaction(Named):
 
     def native(self, freedoms: int) -> native.Interaction:
         """The interaction of Saltus on systems that have that many freedoms together."""
-        self._relation.link(self.dimension(), freedoms)
-        return native.Interaction(self._relation.native(self.dimension()), self._law.native)
+        relation = methods(self._relation)
+        rows = self._law.size()
+        relation.link(rows, freedoms)
+        return native.Interaction(relation.native(rows), self._law.native)

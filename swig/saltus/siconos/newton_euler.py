@@ -165,7 +165,7 @@ class NewtonEulerDS(DynamicalSystem):
         varying = {name: _overridden(self, name) for name in ("computeFExt", "computeMExt")}
         for array, method in ((self._fExt, "computeFExt"), (self._mExt, "computeMExt")):
             array.flags.writeable = varying[method]
-        q, v, _, _ = self.live
+        q, v, _, _ = self._live
         if any(varying.values()):
             return _Loaded(self, q.copy(), v.copy())
         kind = "moment" if self._in_space else "body_moment"

@@ -11,7 +11,7 @@ import numpy as np
 from saltus import kernel as native
 from saltus import registry
 from saltus._core import FirstOrderLive, LiveState
-from saltus.siconos.arrays import Named, NotThere, refuse_late
+from saltus.siconos.arrays import Named, NotThere, methods, refuse_late
 from saltus.siconos.first_order import FirstOrderNonLinearDS
 from saltus.siconos.first_order_relations import EulerMoreauOSI, ZeroOrderHoldOSI
 from saltus.siconos.interactions import Interaction
@@ -102,8 +102,8 @@ class NonSmoothDynamicalSystem(Named):
 
     def __init__(self, t0: float, T: float) -> None:
         self._t0, self._T = float(t0), float(T)
-        self.systems: list[Any] = []  # of one kind where a simulation is made
-        self.links: list[tuple[Interaction, Any, Any]] = []
+        self._systems: list[Any] = []  # of one kind where a simulation is made
+        self._links: list[tuple[Interaction, Any, Any]] = []
         self._simulated = False
 
     def insertDynamicalSystem(self, ds: System) -> None:
@@ -117,8 +117,8 @@ class NonSmoothDynamicalSystem(Named):
                 "expected a LagrangianDS, a FirstOrderNonLinearDS or one derived from them, "
                 f"got {type(ds).__name__}"
             )
-        if not any(ds is known for known in self.systems):
-            self.systems.append(ds)
+        if not any(ds is known for known in self._systems):
+            self._systems.append(ds)
 
     def link(self, interaction: Interaction, ds1: System, ds2: System | None = None) -> None:
         """Let it act between ds1 and the ground or ds2; nothing if it does so already.
@@ -127,23 +127,23 @@ class NonSmoothDynamicalSystem(Named):
         the system is of another kind than the relation, NotImplementedError once the simulation is made.
         """
         refuse_late(self._simulated, "a model")
-        for known, *ends in self.links:
+        for known, *ends in self._links:
             if known is interaction:
                 if ends[0] is ds1 and ends[1] is ds2:
                     return
                 raise ValueError("expected an interaction that is not linked to other systems")
         for ds in (ds1, *(() if ds2 is None else (ds2,))):
-            if not any(ds is known for known in self.systems):
+            if not any(ds is known for known in self._systems):
                 raise ValueError("expected a system that is inserted, insertDynamicalSystem(), before link()")
-            if isinstance(ds, FirstOrderNonLinearDS) != interaction.first_order:
+            if isinstance(ds, FirstOrderNonLinearDS) != interaction._first_order:
                 relation = type(interaction.relation()).__name__
                 raise TypeError(
                     f"expected a relation and systems of one kind, got {relation} and {type(ds).__name__}"
                 )
-        if not interaction.first_order:
-            freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
-            interaction.relation().link(interaction.dimension(), freedoms)
-        self.links.append((interaction, ds1, ds2))
+        if not interaction._first_order:
+            freedoms = sum(methods(ds).dimension() for ds in (ds1, ds2) if ds is not None)
+            methods(interaction.relation()).link(methods(interaction).dimension(), freedoms)
+        self._links.append((interaction, ds1, ds2))
 
     hints: ClassVar[dict[str, str]] = dict.fromkeys(
         ("setTitle", "setAuthor", "setDescription", "setDate", "setName"), "not asked"
@@ -160,28 +160,28 @@ class NonSmoothDynamicalSystem(Named):
 
     def dynamicalSystem(self, number: int) -> Any:
         """The one that has this number(). Raises ValueError if there is none."""
-        for ds in self.systems:
+        for ds in self._systems:
             if ds.number() == number:
                 return ds
-        raise ValueError(f"no system has the number {number}, got {[ds.number() for ds in self.systems]}")
+        raise ValueError(f"no system has the number {number}, got {[ds.number() for ds in self._systems]}")
 
     def interaction(self, number: int) -> Interaction:
         """The one that has this number(). Raises ValueError if there is none."""
-        for interaction, _, _ in self.links:
+        for interaction, _, _ in self._links:
             if interaction.number() == number:
                 return interaction
         raise ValueError(f"no interaction has the number {number}")
 
     def getNumberOfDS(self) -> int:
-        return len(self.systems)
+        return len(self._systems)
 
     def getNumberOfInteractions(self) -> int:
-        return len(self.links)
+        return len(self._links)
 
     @property
-    def first_order(self) -> bool:
+    def _first_order(self) -> bool:
         """Is it made of first-order systems? Raises ValueError if some are and some are not."""
-        kinds = {isinstance(ds, FirstOrderNonLinearDS) for ds in self.systems}
+        kinds = {isinstance(ds, FirstOrderNonLinearDS) for ds in self._systems}
         if len(kinds) == 2:
             raise ValueError("expected Lagrangian or first-order systems in a simulation, got both")
         return True in kinds
@@ -189,26 +189,26 @@ class NonSmoothDynamicalSystem(Named):
     def first_order_native(self) -> native.FirstOrderSystem:
         """The model of Saltus, as it is now, of first-order systems."""
         self._simulated = True
-        made = {id(ds): ds.native() for ds in self.systems}
+        made = {id(ds): methods(ds).native() for ds in self._systems}
         system = native.FirstOrderSystem(list(made.values()), self._t0)
-        for interaction, ds1, ds2 in self.links:
+        for interaction, ds1, ds2 in self._links:
             ends = [ds for ds in (ds1, ds2) if ds is not None]
-            z = np.concatenate([ds.z() for ds in ends])
-            relation = interaction.relation().native(interaction.dimension(), z)
+            z = np.concatenate([methods(ds).z() for ds in ends])
+            relation = methods(interaction.relation()).native(methods(interaction).dimension(), z)
             system.link(relation, interaction.nonSmoothLaw().native, *(made[id(ds)] for ds in ends))
         return system
 
     def native(self) -> native.NonSmoothDynamicalSystem:
         """The model of Saltus, as it is now, of Lagrangian systems."""
         self._simulated = True
-        made = {id(ds): ds.native() for ds in self.systems}
+        made = {id(ds): methods(ds).native() for ds in self._systems}
         system = native.NonSmoothDynamicalSystem(list(made.values()), self._t0)
-        for interaction, ds1, ds2 in self.links:
-            freedoms = ds1.dimension() + (0 if ds2 is None else ds2.dimension())
+        for interaction, ds1, ds2 in self._links:
+            freedoms = sum(methods(ds).dimension() for ds in (ds1, ds2) if ds is not None)
             second = None if ds2 is None else made[id(ds2)]
-            system.link(interaction.native(freedoms), made[id(ds1)], second)
-        for ds in self.systems:
-            if (held := ds.held()) is not None:
+            system.link(methods(interaction).native(freedoms), made[id(ds1)], second)
+        for ds in self._systems:
+            if (held := methods(ds).held()) is not None:
                 system.link(held, made[id(ds)])
         return system
 
@@ -342,7 +342,7 @@ class TimeStepping(Named):
 
         Those of first-order models end at 1e-12 of the terms that cancel, recomputed, whatever is said.
         """
-        if tolerance < 1e-12 and not self._nsds.first_order:
+        if tolerance < 1e-12 and not self._nsds._first_order:
             raise NotThere(f"Newton's iteration ends at 1e-12 of the velocities, got {tolerance:g}")
 
     def nonSmoothDynamicalSystem(self) -> NonSmoothDynamicalSystem:
@@ -363,7 +363,7 @@ class TimeStepping(Named):
         integrator = changes.integrator or self._osi
         solver = changes.solver or self._problem.method
         tolerance = float(self._problem.numericsSolverOptions().dparam[SICONOS_DPARAM_TOL])
-        if self._nsds.first_order:
+        if self._nsds._first_order:
             self._simulation = self._start_first_order(integrator, solver, tolerance)
         else:
             self._simulation = self._start_lagrangian(integrator, solver, tolerance)
@@ -377,10 +377,12 @@ class TimeStepping(Named):
             raise ValueError(f"expected an integrator, as MoreauJeanOSI(0.5), got {got}")
         dt = self._h / self._substeps
         scheme = _in_place_of_the_scripts(integrator) if isinstance(integrator, str) else integrator
-        simulation = native.TimeStepping(self._nsds.native(), scheme, dt, solver=solver, tolerance=tolerance)
-        self._driven = [ds for ds in self._nsds.systems if ds.driven]
-        systems = [ds.live for ds in self._nsds.systems]
-        contacts = [interaction.live for interaction, _, _ in self._nsds.links]
+        simulation = native.TimeStepping(
+            methods(self._nsds).native(), scheme, dt, solver=solver, tolerance=tolerance
+        )
+        self._driven = [ds for ds in self._nsds._systems if methods(ds).driven()]
+        systems = [ds._live for ds in self._nsds._systems]
+        contacts = [interaction._live for interaction, _, _ in self._nsds._links]
         simulation.add_observer(LiveState(systems, contacts, dt, self._substeps))
         return simulation
 
@@ -390,14 +392,14 @@ class TimeStepping(Named):
         if not isinstance(integrator, FirstOrderIntegrator | str):
             raise ValueError(f"expected EulerMoreauOSI(theta) for first-order systems, got {integrator!r}")
         simulation = native.FirstOrderTimeStepping(
-            self._nsds.first_order_native(),
+            methods(self._nsds).first_order_native(),
             integrator if isinstance(integrator, str) else integrator.native(),
             self._h / self._substeps,
             solver=solver,
             tolerance=tolerance,
         )
-        systems = [ds.live for ds in self._nsds.systems]
-        relations = [interaction.live for interaction, _, _ in self._nsds.links]
+        systems = [ds._live for ds in self._nsds._systems]
+        relations = [interaction._live for interaction, _, _ in self._nsds._links]
         simulation.add_observer(FirstOrderLive(systems, relations))
         return simulation
 

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from saltus import _core
 from saltus import kernel as native
-from saltus.siconos.arrays import Named, NotThere, refuse_late, to_dense, to_matrix, to_vector
+from saltus.siconos.arrays import Named, NotThere, methods, refuse_late, to_dense, to_matrix, to_vector
 from saltus.siconos.plugins import PluggedTerms, split
 
 if TYPE_CHECKING:
@@ -74,8 +74,8 @@ class DynamicalSystem(Named):
         self._simulated = False
         self._boundary: BoundaryCondition | None = None
         #: q, v, p(1) and p(2), kept by the simulation
-        self.live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0)), np.zeros(len(self._v0))
-        self._seen = tuple(read_only(array) for array in self.live)
+        self._live = self._q0.copy(), self._v0.copy(), np.zeros(len(self._v0)), np.zeros(len(self._v0))
+        self._seen = tuple(read_only(array) for array in self._live)
 
     def q(self) -> FloatArray:
         """(coordinates,) the position now, live."""
@@ -114,14 +114,14 @@ class DynamicalSystem(Named):
         if self._simulated:
             raise NotThere("the state can be set until the simulation is made, its first step does that")
         array = to_vector(values, "the state")
-        if array.shape != self.live[index].shape:
-            raise ValueError(f"expected {len(self.live[index])} numbers, got {len(array)}")
-        self.live[index][:] = array
+        if array.shape != self._live[index].shape:
+            raise ValueError(f"expected {len(self._live[index])} numbers, got {len(array)}")
+        self._live[index][:] = array
 
     def resetNonSmoothPart(self, level: int) -> None:
         """p(level) becomes zero, until the next step."""
         self.p(level)
-        self.live[1 + level][:] = 0.0
+        self._live[1 + level][:] = 0.0
 
     def resetAllNonSmoothParts(self) -> None:
         """All p(level) become zero, until the next step."""
@@ -138,7 +138,6 @@ class DynamicalSystem(Named):
     def boundaryConditions(self) -> BoundaryCondition | None:
         return self._boundary
 
-    @property
     def driven(self) -> bool:
         """Say whether a force that is an override looks at the state at the start of a step."""
         return False
@@ -155,13 +154,13 @@ class DynamicalSystem(Named):
         """
         if self._boundary is None:
             return None
-        indices, n = np.unique(self._boundary.velocityIndices()), self.dimension()
+        indices, n = np.unique(self._boundary.velocityIndices()), len(self._v0)
         if len(self._q0) != n:
             raise NotThere(f"boundary conditions of a {type(self).__name__} are not there, Joint is")
         if len(indices) == 0 or indices[0] < 0 or indices[-1] >= n:
             raise ValueError(f"a boundary condition names velocities from 0 to {n - 1}, got {indices}")
         rows = np.eye(n)[indices]
-        relation = native.LagrangianLinearTIR(rows, -rows @ self.live[0])
+        relation = native.LagrangianLinearTIR(rows, -rows @ self._live[0])
         return native.Interaction(relation, native.EqualityConditionNSL(len(indices)))
 
     def dimension(self) -> int:
@@ -174,7 +173,7 @@ class DynamicalSystem(Named):
 
     def display(self) -> None:
         """Print what it is."""
-        q, v, p, force = self.live
+        q, v, p, force = self._live
         print(f"{type(self).__name__} {self._number}: q = {q}, v = {v}, p(1) = {p}, p(2) = {force}")
 
     def native(self) -> Any:
@@ -236,25 +235,25 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
     def mass(self) -> Any:
         """(n, n), to be written by computeMass; fixed for the simulation if that is not overridden."""
         if self._mass is None:
-            self._mass = np.eye(self.dimension())
+            self._mass = np.eye(len(self._v0))
         return self._mass
 
     def fExt(self) -> FloatArray:
         """(n,), to be written by computeFExt; fixed for the simulation if that is not overridden."""
         if self._fExt is None:
-            self._fExt = np.zeros(self.dimension())
+            self._fExt = np.zeros(len(self._v0))
         return self._fExt
 
     def fInt(self) -> FloatArray:
         """(n,), likewise of computeFInt."""
         if self._fInt is None:
-            self._fInt = np.zeros(self.dimension())
+            self._fInt = np.zeros(len(self._v0))
         return self._fInt
 
     def fGyr(self) -> FloatArray:
         """(n,), likewise of computeFGyr."""
         if self._fGyr is None:
-            self._fGyr = np.zeros(self.dimension())
+            self._fGyr = np.zeros(len(self._v0))
         return self._fGyr
 
     def _refuse_late(self, term: str) -> None:
@@ -371,58 +370,56 @@ class LagrangianDS(PluggedTerms, DynamicalSystem):
 
     def varies(self, term: str) -> bool:
         """Say whether a term is an override or a plugin's: "Mass", "FExt", "FInt" or "FGyr"."""
-        return term in self._plugins or self.overrides(f"compute{term}")
+        return term in self._plugins or LagrangianDS.overrides(self, f"compute{term}")
 
     def _plugged(self) -> native.LagrangianDS:
         """With the functions of plugins and the constants, without Python in a step."""
-        M, K, C = (None if matrix is None else to_dense(matrix) for matrix in (self.mass(), self._K, self._C))
-        force = np.zeros(self.dimension())
+        own = methods(self)
+        M, K, C = (None if matrix is None else to_dense(matrix) for matrix in (own.mass(), self._K, self._C))
+        force = np.zeros(own.dimension())
         for term, sign in (("FExt", 1.0), ("FInt", -1.0), ("FGyr", -1.0)):
             if term not in self._plugins:
-                force += sign * getattr(self, f"f{term[1:]}")()
+                force += sign * getattr(own, f"f{term[1:]}")()
         M = None if "Mass" in self._plugins else M
-        return _core.PluggedDS(*self.start(), self._plugins, M, K, C, force, self._z)
+        return _core.PluggedDS(*_start(self), self._plugins, M, K, C, force, self._z)
 
     def native(self) -> native.LagrangianDS:
         """The system of Saltus. What is not overridden is constant from here on: its arrays are read-only."""
+        own = methods(self)
         terms: tuple[tuple[Any, str], ...] = (
-            (self.mass(), "Mass"),
-            (self.fExt(), "FExt"),
-            (self.fInt(), "FInt"),
-            (self.fGyr(), "FGyr"),
+            (own.mass(), "Mass"),
+            (own.fExt(), "FExt"),
+            (own.fInt(), "FInt"),
+            (own.fGyr(), "FGyr"),
             (self._K, ""),
             (self._C, ""),
         )
         for array, term in terms:
-            if term and self.varies(term):
+            if term and own.varies(term):
                 continue
             self._taken.add(term)
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
         self._simulated = True
-        if self._plugins and not self.overrides("computeMass", "computeFInt", "computeFGyr", "computeFExt"):
-            return self._plugged()
-        if self.varies("Mass"):
+        if self._plugins and not own.overrides("computeMass", "computeFInt", "computeFGyr", "computeFExt"):
+            return LagrangianDS._plugged(self)
+        if own.varies("Mass"):
             return _VaryingMass(self)
-        if self.varies("FInt") or self.varies("FGyr"):
-            return _Nonlinear(self, to_dense(self.mass()))
-        if self.varies("FExt"):
-            return _DrivenLinear(self) if self.isLinear() else _Driven(self)
-        force = self.fExt() - self.fInt() - self.fGyr()
-        return native.LagrangianLinearTIDS(*self.start(), self.mass(), self._K, self._C, force)
-
-    def start(self) -> tuple[FloatArray, FloatArray]:
-        """Position and velocity that a simulation starts from."""
-        return self.live[0].copy(), self.live[1].copy()
+        if own.varies("FInt") or own.varies("FGyr"):
+            return _Nonlinear(self, to_dense(own.mass()))
+        if own.varies("FExt"):
+            return _DrivenLinear(self) if own.isLinear() else _Driven(self)
+        force = own.fExt() - own.fInt() - own.fGyr()
+        return native.LagrangianLinearTIDS(*_start(self), own.mass(), self._K, self._C, force)
 
     def evaluate_forces(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """(n,) forces() of the overrides and the constants; meanwhile q() and velocity() are these."""
-        kept = self.start()
-        self.live[0][:], self.live[1][:] = q, v
+        kept = _start(self)
+        self._live[0][:], self._live[1][:] = q, v
         self.computeFExt(t)
         self.computeFInt(t, q, v)
         self.computeFGyr(q, v)
-        self.live[0][:], self.live[1][:] = kept
+        self._live[0][:], self._live[1][:] = kept
         total = self.fExt() - self.fInt() - self.fGyr()
         for matrix, factor in ((self._K, q), (self._C, v)):
             if matrix is not None:
@@ -450,9 +447,8 @@ class LagrangianLinearTIDS(LagrangianDS):
     def isLinear(self) -> bool:
         return True
 
-    @property
     def driven(self) -> bool:
-        return self.overrides("computeFExt")
+        return LagrangianDS.overrides(self, "computeFExt")
 
     def K(self) -> Matrix | None:
         return self._K
@@ -493,6 +489,11 @@ def difference(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> 
     return np.asarray(np.column_stack(columns) / (2.0 * step))
 
 
+def _start(ds: DynamicalSystem) -> tuple[FloatArray, FloatArray]:
+    """Position and velocity that a simulation starts from."""
+    return ds._live[0].copy(), ds._live[1].copy()
+
+
 def _diagonal(entries: FloatArray) -> Matrix:
     return sparse.csr_array(sparse.diags_array(entries))
 
@@ -501,12 +502,13 @@ class _Nonlinear(native.LagrangianDS):
     """Forces by overrides, derivatives by differences; meanwhile q() and velocity() are those of the call."""
 
     def __init__(self, ds: LagrangianDS, mass: Any = None) -> None:
-        super().__init__(*ds.start(), mass)
-        self.ds = ds
-        self._q, self._v, _, _ = ds.live
-        self._ext, self._int, self._gyr = (ds.varies(name) for name in ("FExt", "FInt", "FGyr"))
-        constant = np.zeros(ds.dimension())
-        for varies, term in ((self._ext, ds.fExt()), (self._int, -ds.fInt()), (self._gyr, -ds.fGyr())):
+        own = methods(ds)
+        super().__init__(*_start(ds), mass)
+        self.ds: Any = ds
+        self._q, self._v, _, _ = ds._live
+        self._ext, self._int, self._gyr = (own.varies(name) for name in ("FExt", "FInt", "FGyr"))
+        constant = np.zeros(len(ds._v0))
+        for varies, term in ((self._ext, own.fExt()), (self._int, -own.fInt()), (self._gyr, -own.fGyr())):
             if not varies:
                 constant += term
         self._constant = constant if constant.any() else None
@@ -521,13 +523,13 @@ class _Nonlinear(native.LagrangianDS):
             out[:] = self._constant
         if self._ext:
             ds.computeFExt(t)
-            out += ds.fExt()
+            out += ds._fExt
         if self._int:
             ds.computeFInt(t, q, v)
-            out -= ds.fInt()
+            out -= ds._fInt
         if self._gyr:
             ds.computeFGyr(q, v)
-            out -= ds.fGyr()
+            out -= ds._fGyr
         for k, matrix in self._linear:
             out -= matrix @ (v if k else q)
 
@@ -535,16 +537,17 @@ class _Nonlinear(native.LagrangianDS):
 class _VaryingMass(_Nonlinear):
     def mass(self, q: FloatArray, out: FloatArray) -> None:
         self.ds.computeMass(q)
-        out[:] = self.ds.mass()
+        out[:] = self.ds._mass
 
 
 class _DrivenLinear(native.LagrangianLinearTIDS):
     """An external force by override, all else linear. It may look at the state at the start of the step."""
 
     def __init__(self, ds: LagrangianDS) -> None:
-        super().__init__(*ds.start(), ds.mass(), ds._K, ds._C)
-        self._ds = ds
-        self._constant = ds.fInt() + ds.fGyr()
+        own = methods(ds)
+        super().__init__(*_start(ds), own.mass(), ds._K, ds._C)
+        self._ds: Any = ds
+        self._constant = own.fInt() + own.fGyr()
         self._plain = not self._constant.any()
 
     def external_force(self, t: float, out: FloatArray) -> None:
@@ -561,7 +564,7 @@ class _Driven(_Nonlinear):
     """An external force by override, a constant mass: that forces have no derivatives is known."""
 
     def __init__(self, ds: LagrangianDS) -> None:
-        super().__init__(ds, to_dense(ds.mass()))
+        super().__init__(ds, to_dense(methods(ds).mass()))
 
     def force_jacobians(self, t: float, q: FloatArray, v: FloatArray, out: FloatArray) -> None:
         """Zero, as it is at the call."""
