@@ -157,6 +157,7 @@ class FirstOrderLinearR(FirstOrderR):
         C, B, D = map(self._matrices.get, ("C", "B", "D"))
         if C is None or B is None:
             raise ValueError("expected setCPtr() and setBPtr() of a linear relation before the first step")
+        self._simulated = True
         made: native.FirstOrderNonLinearR = base(C, B, D, constant)
         return made
 
