@@ -9,8 +9,8 @@ import numpy as np
 
 from saltus import first_order as native
 from saltus.siconos.arrays import Named, refuse_late, to_dense, to_matrix, to_vector
+from saltus.siconos.dynamical_system import numbers, read_only
 from saltus.siconos.plugins import PluginFunction, split
-from saltus.siconos.systems import _numbers, read_only
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -52,7 +52,7 @@ class FirstOrderNonLinearDS(Named):
         self._z = np.zeros(1)
         self._rhs = np.zeros(len(self._x0))
         self._jacobianRhsx = np.zeros((len(self._x0), len(self._x0)))
-        self._number = next(_numbers)
+        self._number = next(numbers)
         self._simulated = False
         #: x and r, kept by the simulation
         self._live = self._x0.copy(), np.zeros(len(self._x0))

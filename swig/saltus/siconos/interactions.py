@@ -10,9 +10,9 @@ import numpy as np
 from saltus import _core
 from saltus import kernel as native
 from saltus.siconos.arrays import Named, NotThere, methods, refuse_late, to_matrix, to_vector
+from saltus.siconos.dynamical_system import read_only
 from saltus.siconos.first_order_relations import FirstOrderLaw, FirstOrderR
 from saltus.siconos.plugins import PluginFunction, split
-from saltus.siconos.systems import read_only
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

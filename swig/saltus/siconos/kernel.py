@@ -21,6 +21,7 @@ from saltus.siconos.arrays import (
     getMatrix,
     getVector,
 )
+from saltus.siconos.dynamical_system import BoundaryCondition
 from saltus.siconos.event_driven import (
     NS_EVENT,
     SICONOS_OSNSP_ED_IMPACT,
@@ -70,7 +71,6 @@ from saltus.siconos.simulation import (
     TimeStepping,
 )
 from saltus.siconos.systems import (
-    BoundaryCondition,
     LagrangianDS,
     LagrangianLinearDiagonalDS,
     LagrangianLinearTIDS,

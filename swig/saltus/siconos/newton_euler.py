@@ -8,8 +8,8 @@ import numpy as np
 
 from saltus import kernel as native
 from saltus.siconos.arrays import NotThere, refuse_late, to_matrix, to_vector
+from saltus.siconos.dynamical_system import DynamicalSystem, difference, read_only
 from saltus.siconos.interactions import Relation
-from saltus.siconos.systems import DynamicalSystem, difference, read_only
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -12,11 +12,11 @@ from saltus import kernel as native
 from saltus import registry
 from saltus._core import FirstOrderLive, LiveState
 from saltus.siconos.arrays import Named, NotThere, methods, refuse_late
+from saltus.siconos.dynamical_system import DynamicalSystem
 from saltus.siconos.first_order import FirstOrderNonLinearDS
 from saltus.siconos.first_order_relations import EulerMoreauOSI, ZeroOrderHoldOSI
 from saltus.siconos.interactions import Interaction
 from saltus.siconos.numerics import SICONOS_DPARAM_TOL, SolverOptions
-from saltus.siconos.systems import DynamicalSystem
 
 if TYPE_CHECKING:
     from saltus.io import FirstOrderTrajectory, Trajectory
