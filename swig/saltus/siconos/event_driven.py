@@ -9,8 +9,8 @@ import numpy as np
 
 from saltus import kernel as native
 from saltus.siconos.arrays import Named, NotThere
+from saltus.siconos.model import NonSmoothDynamicalSystem
 from saltus.siconos.simulation import (
-    NonSmoothDynamicalSystem,
     OneStepNSProblem,
     TimeDiscretisation,
     TimeStepping,

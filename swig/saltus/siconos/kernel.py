@@ -52,6 +52,7 @@ from saltus.siconos.interactions import (
     NewtonImpactFrictionNSL,
     NewtonImpactNSL,
 )
+from saltus.siconos.model import NonSmoothDynamicalSystem
 from saltus.siconos.newton_euler import (
     NewtonEuler1DR,
     NewtonEuler3DR,
@@ -65,7 +66,6 @@ from saltus.siconos.newton_euler import (
 from saltus.siconos.simulation import (
     SICONOS_OSNSP_TS_VELOCITY,
     FrictionContact,
-    NonSmoothDynamicalSystem,
     OneStepNSProblem,
     TimeDiscretisation,
     TimeStepping,
