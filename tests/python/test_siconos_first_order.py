@@ -151,10 +151,18 @@ def test_gamma_is_used_as_it_is_said():
     osi = sk.EulerMoreauOSI(0.5)
     assert (osi.theta(), osi.gamma(), osi.useGamma()) == (0.5, 1.0, False)
     assert osi.native().gamma == 1.0
+    with pytest.raises(NotImplementedError, match="gamma is constant once the simulation is made"):
+        osi.setGamma(0.7)
+    osi = sk.EulerMoreauOSI(0.5)
     osi.setGamma(0.7)
-    assert (osi.native().gamma, osi.native().gamma_for_relation) == (0.7, False)
+    made = osi.native()
+    assert (made.gamma, made.gamma_for_relation) == (0.7, False)
+    osi = sk.EulerMoreauOSI(0.5, 0.7)
     osi.setUseGammaForRelation(True)
-    assert (osi.native().gamma, osi.native().gamma_for_relation, osi.useGamma()) == (0.7, True, False)
+    made = osi.native()
+    assert (made.gamma, made.gamma_for_relation, osi.useGamma()) == (0.7, True, False)
+    osi = sk.EulerMoreauOSI(0.5, 0.7)
+    osi.setUseGammaForRelation(True)
     osi.setUseGammaForRelation(False)
     assert osi.native().gamma == 1.0
 

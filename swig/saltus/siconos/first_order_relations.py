@@ -323,7 +323,8 @@ class MixedComplementarityConditionNSL(FirstOrderLaw):
 class EulerMoreauOSI(Named):
     """The scheme of `saltus.kernel.EulerMoreauOSI`; gamma is one as long as it is not given.
 
-    Raises ValueError at the first step if a weight is outside [0, 1].
+    Raises ValueError at the first step if a weight is outside [0, 1], NotImplementedError if one is set
+    after it.
     """
 
     def __init__(self, theta: float, gamma: float | None = None) -> None:
@@ -331,17 +332,20 @@ class EulerMoreauOSI(Named):
         self._gamma = 1.0 if gamma is None else float(gamma)
         self._useGamma = gamma is not None
         self._useGammaForRelation = False
+        self._simulated = False
 
     def theta(self) -> float:
         return self._theta
 
     def setTheta(self, theta: float) -> None:
+        refuse_late(self._simulated, "theta")
         self._theta = float(theta)
 
     def gamma(self) -> float:
         return self._gamma
 
     def setGamma(self, gamma: float) -> None:
+        refuse_late(self._simulated, "gamma")
         self._gamma, self._useGamma = float(gamma), True
 
     def useGamma(self) -> bool:
@@ -349,6 +353,7 @@ class EulerMoreauOSI(Named):
         return self._useGamma
 
     def setUseGamma(self, use: bool) -> None:
+        refuse_late(self._simulated, "the use of gamma")
         self._useGamma = bool(use)
 
     def useGammaForRelation(self) -> bool:
@@ -356,12 +361,14 @@ class EulerMoreauOSI(Named):
         return self._useGammaForRelation
 
     def setUseGammaForRelation(self, use: bool) -> None:
+        refuse_late(self._simulated, "the use of gamma")
         self._useGammaForRelation = bool(use)
         if use:
             self._useGamma = False
 
     def native(self) -> native.EulerMoreauOSI:
         """The integrator of Saltus."""
+        self._simulated = True
         used = self._useGamma or self._useGammaForRelation
         return native.EulerMoreauOSI(self._theta, self._gamma if used else 1.0, self._useGammaForRelation)
 
