@@ -38,5 +38,5 @@ void require_abi(std::string_view library_and_name, std::string_view abi);
 /// What this translation unit and a plugin must agree on: the version of these interfaces, to be raised with
 /// every change of a class that plugins see, and what decides about the layout of their arguments.
 #define SALTUS_PLUGIN_ABI                                              \
-  "saltus 7, Eigen " SALTUS_TEXT(EIGEN_WORLD_VERSION) "." SALTUS_TEXT( \
+  "saltus 8, Eigen " SALTUS_TEXT(EIGEN_WORLD_VERSION) "." SALTUS_TEXT( \
       EIGEN_MAJOR_VERSION) " aligned to " SALTUS_TEXT(EIGEN_MAX_ALIGN_BYTES) ", C++ " SALTUS_TEXT(__GXX_ABI_VERSION)

@@ -8,6 +8,8 @@ namespace saltus {
 /// Vectors and matrices of the whole library: double, matrices row by row, as numpy stores them.
 using Vec = Eigen::VectorXd;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
 
 /// Views of contiguous storage: what models read and write.
 using In = Eigen::Map<const Vec>;

@@ -23,11 +23,41 @@ class PythonObserver final : public Observer {
   py::function callback_;
 };
 
+// Of a link in every row of q (rows, coordinates of the system): points (rows, 3) and directions (rows,
+// forces, 3); none if its relation does not know where it is.
+py::object places(const NonSmoothDynamicalSystem& self, int index,
+                  const py::array_t<double, py::array::c_style>& q) {
+  const auto& link = self.links().at(static_cast<std::size_t>(index));
+  std::vector<Eigen::Index> starts = {0};
+  for (const auto& ds : self.systems()) starts.push_back(starts.back() + ds->coordinates());
+  if (q.ndim() != 2 || q.shape(1) != starts.back())
+    throw std::invalid_argument("q must be (rows, " + std::to_string(starts.back()) + ")");
+  const auto part = [&](const double* row, int system) {
+    return Eigen::Map<const Vec>(row + starts[system], starts[system + 1] - starts[system]);
+  };
+  const Eigen::Index first = starts[link.first + 1] - starts[link.first];
+  Vec linked(first + (link.second < 0 ? 0 : starts[link.second + 1] - starts[link.second]));
+  py::array_t<float> points({q.shape(0), py::ssize_t{3}}), directions;
+  for (py::ssize_t row = 0; row < q.shape(0); ++row) {
+    linked.head(first) = part(q.data(row, 0), link.first);
+    if (link.second >= 0) linked.tail(linked.size() - first) = part(q.data(row, 0), link.second);
+    const ContactPlace place = link.interaction->relation().place(In(linked.data(), linked.size()));
+    if (place.forces == 0) return py::none();
+    if (row == 0) directions = py::array_t<float>({q.shape(0), py::ssize_t{place.forces}, py::ssize_t{3}});
+    for (int k = 0; k < 3; ++k) {
+      points.mutable_at(row, k) = static_cast<float>(place.point[k]);
+      for (int i = 0; i < place.forces; ++i)
+        directions.mutable_at(row, i, k) = static_cast<float>(place.directions[i][k]);
+    }
+  }
+  return py::make_tuple(points, directions);
+}
+
 void bind_model(py::module_& module) {
   const char* interaction_doc =
       "A relation with the law that acts in it, in either order; results carry its name.\n\n"
       "Raises ValueError if relation and law differ in size.";
-  py::classh<Interaction>(module, "Interaction", interaction_doc)
+  py::classh<Interaction>(module, "Interaction", py::dynamic_attr(), interaction_doc)
       .def(py::init([](std::shared_ptr<Relation> relation, const NonSmoothLaw& law, std::string name) {
              return std::make_shared<Interaction>(std::move(relation), law, std::move(name));
            }),
@@ -36,6 +66,17 @@ void bind_model(py::module_& module) {
              return std::make_shared<Interaction>(std::move(relation), law, std::move(name));
            }),
            py::arg("law"), py::arg("relation"), py::arg("name") = "")
+      .def(
+          "show_at",
+          [](py::object self, py::object place) {
+            py::module_::import("saltus.scene").attr("show_at")(self, place);
+          },
+          py::arg("place"),
+          "Let pictures show the contact at place(q) = (point, *directions), each with 2 or 3 entries: where "
+          "it is\n"
+          "in space [m], and the unit vectors along which its rows push ds1, the normal first. q is that of "
+          "ds1, or\n"
+          "[q1; q2]. Without directions there are no arrows. Contacts and joints of bodies know their place.")
       .def_property_readonly("name", &Interaction::name);
 
   py::class_<CheckItem>(module, "CheckItem", "One line of NonSmoothDynamicalSystem.check().")
@@ -74,6 +115,7 @@ void bind_model(py::module_& module) {
       .def_property_readonly("dimension", &NonSmoothDynamicalSystem::dimension, "entries of v")
       .def_property_readonly("coordinates", &NonSmoothDynamicalSystem::coordinates, "entries of q")
       .def("check_items", &check)
+      .def("places", &places, py::arg("link"), py::arg("q"))
       .def("contacts", [](const NonSmoothDynamicalSystem& self) {
         // name, offset and number of rows, offset and number of gaps
         std::vector<std::tuple<std::string, int, int, int, int>> all;

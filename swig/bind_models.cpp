@@ -86,11 +86,12 @@ ValueError
       .def(
           "add_shape",
           [](py::object self, py::object shape, py::object pose) {
-            py::module_::import("saltus.shapes").attr("attach")(self, shape, pose);
+            py::module_::import("saltus.scene").attr("attach")(self, shape, pose);
           },
-          py::arg("shape"), py::arg("pose"),
-          "Let the system look like this in pictures: a Disc, Box or Polyline whose frame is at\n"
-          "pose(q) = (x [m], y [m], angle [rad]). Shapes are stored with the run.")
+          py::arg("shape"), py::arg("pose") = py::none(),
+          "Let the system look like this in pictures: a Disc, Box, Polyline, Sphere, Cylinder or Mesh whose frame\n"
+          "is at pose(q) = (x [m], y [m], angle [rad]), or (x, y, z [m], and a unit quaternion w, x, y, z). A\n"
+          "NewtonEulerDS tells itself where it is. Shapes are stored with the run.")
       .def_property_readonly(
           "dimension", [](py::object self) { return initialised<LagrangianDS>(self).dimension(); },
           "entries of v")

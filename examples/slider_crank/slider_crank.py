@@ -52,6 +52,7 @@ from saltus._core import (
 )
 
 if TYPE_CHECKING:
+    from saltus.scene import Place
     from saltus.typing import FloatArray
 
 Guidance = Literal["frictional", "frictionless", "c=0", "equality"]
@@ -167,6 +168,8 @@ def build(guidance: Guidance = "frictional", *, compiled: bool = True) -> sk.Non
     add_shapes(crank, p)
     parameters = {name: getattr(p, name) for name in vars(SliderCrankParameters) if not name.startswith("_")}
     system = sk.NonSmoothDynamicalSystem([crank], parameters={**parameters, "guidance": guidance})
+    for wall in (-p.b - p.c, p.b + p.c):
+        system.add_shape(sk.Polyline(((p.l2 - p.l1 - 2 * p.a, wall), (p.l1 + p.l2 + 2 * p.a, wall))))
     if guidance == "equality":
         guide = CompiledSliderGuide(p) if compiled else SliderGuide(p)
         system.link(sk.Interaction(guide, sk.EqualityConditionNSL(2), name="guide"), crank)
@@ -183,7 +186,9 @@ def build(guidance: Guidance = "frictional", *, compiled: bool = True) -> sk.Non
         ("lower left", -p.a, -p.b),
         ("lower right", p.a, -p.b),
     ]:
-        system.link(sk.Interaction(corner_type(xi, eta, law.size, p), law, name=name), crank)
+        corner = sk.Interaction(corner_type(xi, eta, law.size, p), law, name=name)
+        corner.show_at(corner_place(xi, eta, law.size, p))
+        system.link(corner, crank)
     return system
 
 
@@ -200,6 +205,18 @@ def add_shapes(crank: sk.LagrangianDS, p: SliderCrankParameters) -> None:
     crank.add_shape(sk.Polyline(((0.0, 0.0), (p.l1, 0.0))), pose=lambda q: (0.0, 0.0, q[0]))
     crank.add_shape(sk.Polyline(((0.0, 0.0), (p.l2, 0.0))), pose=lambda q: (*joint(q), q[1]))
     crank.add_shape(sk.Box(2 * p.a, 2 * p.b), pose=slider)
+
+
+def corner_place(xi: float, eta: float, size: int, p: SliderCrankParameters) -> Place:
+    """Where pictures show a corner, and along what its rows push the slider."""
+    normal, tangent = (0.0, -1.0 if eta > 0 else 1.0), (1.0, 0.0)
+
+    def place(q: FloatArray) -> tuple[tuple[float, float], ...]:
+        x = p.l1 * cos(q[0]) + p.l2 * cos(q[1]) + xi * cos(q[2]) - eta * sin(q[2])
+        y = p.l1 * sin(q[0]) + p.l2 * sin(q[1]) + xi * sin(q[2]) + eta * cos(q[2])
+        return ((x, y), normal, tangent)[: 1 + size]
+
+    return place
 
 
 def main() -> None:

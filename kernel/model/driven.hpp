@@ -29,6 +29,7 @@ class Driven final : public RheonomousRelation {
   void curvature_at(double t, const In& q, const In& v, Out c) const override;
   bool has_curvature() const override { return relation_->has_curvature(); }
   bool constant_jacobian() const override { return relation_->constant_jacobian(); }
+  ContactPlace place(const In& q) const override { return relation_->place(q); }
 
  private:
   std::shared_ptr<const Relation> relation_;

@@ -3,6 +3,15 @@
 
 namespace saltus {
 
+/// Where a contact or joint is in space, for pictures.
+struct ContactPlace {
+  Vec3 point = Vec3::Zero();  ///< [m]
+  /// Of these, `forces` in number: what λ of the first rows pushes the first system along. Without any the
+  /// relation does not know where it is.
+  Vec3 directions[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int forces = 0;
+};
+
 /// Geometry of a contact or joint on the positions of one or two systems, q = [q1; q2]: the gap g(q) and the
 /// force directions Wᵀ(q), (14)-(15), so that γ = Wᵀ v [m/s]. v has as many entries as there are freedoms, q
 /// as there are coordinates. Holonomic and scleronomous; see RheonomousRelation.
@@ -30,6 +39,8 @@ class Relation {
   virtual void curvature(const In& q, const In& v, Out c) const;
   /// Is curvature() implemented?
   virtual bool has_curvature() const { return false; }
+  /// Where it is at these positions.
+  virtual ContactPlace place(const In&) const { return {}; }
   /// True if Wᵀ depends neither on q nor on t: implicit schemes then need not iterate for it.
   virtual bool constant_jacobian() const { return false; }
 

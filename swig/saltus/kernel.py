@@ -71,7 +71,8 @@ from saltus.io import Layout, Provenance, Trajectory
 from saltus.io.records import plain
 from saltus.io.stream import Stream
 from saltus.registry import IntegratorFactory, register_integrator
-from saltus.shapes import Box, Disc, Polyline, Pose, Shape, shapes_of
+from saltus.scene import Appearance, Fixture
+from saltus.shapes import Box, Cylinder, Disc, Mesh, Polyline, Pose, Shape, Sphere, require_shape
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray, OptionValue
@@ -84,6 +85,7 @@ __all__ = [
     "ComplementarityConditionNSL",
     "Configuration",
     "ContactStage",
+    "Cylinder",
     "Disc",
     "Distance",
     "Driven",
@@ -107,6 +109,7 @@ __all__ = [
     "LagrangianLinearTIR",
     "LagrangianRheonomousR",
     "LagrangianScleronomousR",
+    "Mesh",
     "MixedComplementarityConditionNSL",
     "NewtonEulerDS",
     "NewtonImpactFrictionNSL",
@@ -120,6 +123,7 @@ __all__ = [
     "RelayNSL",
     "Shape",
     "SimulationError",
+    "Sphere",
     "SphereBox",
     "SpherePlane",
     "SphereSphere",
@@ -214,6 +218,9 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
     ) -> None:
         self._systems = tuple(systems)
         self._parameters = plain(parameters or {})
+        self._numbers = {id(ds): number for number, ds in enumerate(self._systems)}
+        self._links: list[tuple[Interaction, tuple[int, ...]]] = []
+        self._scenery: list[tuple[Shape, Fixture]] = []
         super().__init__(list(self._systems), t0)
 
     @property
@@ -225,6 +232,45 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
     def parameters(self) -> Mapping[str, Any]:
         """What the model was made with, by name."""
         return self._parameters
+
+    @property
+    def links(self) -> Sequence[tuple[Interaction, tuple[int, ...]]]:
+        """The interactions, and the numbers of the one or two systems that each acts on."""
+        return self._links
+
+    @property
+    def scenery(self) -> Sequence[tuple[Shape, Fixture]]:
+        """What pictures show around the systems."""
+        return self._scenery
+
+    def link(self, interaction: Interaction, ds1: LagrangianDS, ds2: LagrangianDS | None = None) -> None:
+        """Let an interaction act between ds1 and the ground, or between ds1 and ds2.
+
+        Raises
+        ------
+        ValueError
+            If a system is not part of this one, the name is taken, or sizes disagree.
+        """
+        super().link(interaction, ds1, ds2)
+        ends = [ds1] if ds2 is None else [ds1, ds2]
+        self._links.append((interaction, tuple(self._numbers[id(ds)] for ds in ends)))
+
+    def add_shape(self, shape: Shape, pose: Fixture = (0.0, 0.0, 0.0)) -> None:
+        """Let pictures show something around the systems, such as a floor.
+
+        Parameters
+        ----------
+        shape : a Disc, Box, Polyline, Sphere, Cylinder or Mesh
+        pose : x [m], y [m], angle [rad]; or x, y, z [m] and a unit quaternion (w, x, y, z); or a function of
+            the time [s] that returns one of these
+
+        Raises
+        ------
+        TypeError
+            If shape is not a shape. That a pose is wrong is found when a picture is made.
+        """
+        require_shape(shape)
+        self._scenery.append((shape, pose))
 
     def check(self) -> CheckReport:
         """Compare mass, forces, jacobian and curvature with finite differences at the initial state.
@@ -308,11 +354,11 @@ class TimeStepping(_core.TimeSteppingBase):
             int(record_every),
             system.parameters,
         )
-        shapes = shapes_of(system.systems)
+        look = Appearance.of(system)
         self._stream: Stream | None = (
-            None if file is None else Stream(file, recording, layout, provenance, shapes)
+            None if file is None else Stream(file, recording, layout, provenance, look)
         )
-        self._trajectory: Trajectory = Trajectory(self._stream or recording, layout, provenance, shapes)
+        self._trajectory: Trajectory = Trajectory(self._stream or recording, layout, provenance, look)
 
     @property
     def trajectory(self) -> Trajectory:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import LineCollection
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -114,24 +115,20 @@ def energy(ax: Axes, trajectory: Trajectory) -> None:
     ax.set_ylabel("total energy [J]" if known else "kinetic energy [J]")
 
 
-def shapes(ax: Axes, trajectory: Trajectory, rows: Sequence[int]) -> None:
-    """The systems' shapes in these rows of the run, the last one darkest."""
+def shapes(ax: Axes, trajectory: Trajectory, rows: Sequence[int], plane: str = "xy") -> None:
+    """The lines of all shapes in these rows of the run, the last one darkest."""
+    axes = ["xyz".index(axis) for axis in plane]
     ax.set_aspect("equal")
     for order, row in enumerate(rows):
         shade = 0.3 + 0.7 * (order + 1) / len(rows)
         for index, shape in enumerate(trajectory.shapes):
-            points = place(shape.outline, shape.poses[row])
-            ax.plot(points[:, 0], points[:, 1], color=f"C{index % 10}", alpha=shade**2, linewidth=0.6 + shade)
-    ax.set_xlabel("x [m]")
-    ax.set_ylabel("y [m]")
-
-
-def place(outline: FloatArray, pose: FloatArray) -> FloatArray:
-    """Outline (points, 2) in a frame at pose = (x, y, angle)."""
-    x, y, angle = pose
-    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    placed: FloatArray = outline @ turn + np.array([x, y])
-    return placed
+            lines = shape.in_space(row)[shape.lines][:, :, axes]
+            ax.add_collection(
+                LineCollection(list(lines), color=f"C{index % 10}", alpha=shade**2, linewidth=0.6 + shade)
+            )
+    ax.autoscale_view()
+    ax.set_xlabel(f"{plane[0]} [m]")
+    ax.set_ylabel(f"{plane[1]} [m]")
 
 
 def mark_impacts(ax: Axes, trajectory: Trajectory) -> None:

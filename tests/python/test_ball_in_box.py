@@ -72,6 +72,6 @@ def test_gravity_down_is_the_other_direction_of_table_4():
 def test_shapes_are_the_ball_and_its_box(oblique):
     ball, box = oblique.shapes
     np.testing.assert_array_equal(ball.poses[:, :2], oblique.q)
-    assert np.abs(ball.outline).max() == P.R
-    np.testing.assert_array_equal(box.outline.min(axis=0) + box.poses[-1, :2], [0.0, 0.0])
-    np.testing.assert_array_equal(box.outline.max(axis=0) + box.poses[-1, :2], [P.a, P.b])
+    assert np.abs(ball.points).max() == P.R
+    np.testing.assert_array_equal(box.points.min(axis=0) + box.poses[-1, :2], [0.0, 0.0])
+    np.testing.assert_array_equal(box.points.max(axis=0) + box.poses[-1, :2], [P.a, P.b])

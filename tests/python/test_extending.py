@@ -115,7 +115,7 @@ def test_a_plugin_for_another_abi_is_refused_by_name(tmp_path):
     subprocess.run(["g++", "-shared", "-fPIC", source, "-o", tmp_path / "libold.so"], check=True)
     name = f"{tmp_path / 'libold.so'}:Old"
     with pytest.raises(
-        ValueError, match=r"libold.so:Old': it was built for the ABI 'saltus 0', this is 'saltus 7"
+        ValueError, match=r"libold.so:Old': it was built for the ABI 'saltus 0', this is 'saltus 8"
     ):
         registry.integrator(name)
     with pytest.raises(ValueError, match=r"libold.so:Old': it was built for the ABI 'saltus 0'"):

@@ -36,14 +36,16 @@ def test_round_trip(trajectory, tmp_path):
     (shape,), (original,) = back.shapes, trajectory.shapes
     assert shape.kind == "Box"
     np.testing.assert_array_equal(shape.poses, original.poses)
-    np.testing.assert_array_equal(shape.outline, original.outline)
+    np.testing.assert_array_equal(shape.points, original.points)
+    np.testing.assert_array_equal(shape.lines, original.lines)
+    np.testing.assert_array_equal(shape.faces, original.faces)
     assert read_hdf5(back.to_hdf5(tmp_path / "again.h5")).provenance == back.provenance
 
 
 def test_every_dataset_has_its_unit(trajectory, tmp_path):
     with h5py.File(trajectory.to_hdf5(tmp_path / "ball.h5")) as file:
         units = {name: data.attrs["unit"] for name, data in file["columns"].items()}
-        assert file["shapes/0000/poses"].attrs["unit"] == "m, m, rad"
+        assert file["shapes/000000/poses"].attrs["unit"] == "m, m, rad"
     assert units["impulse"] == "N s"
     assert units["t"] == "s"
     assert units["step"] == "1"
@@ -179,7 +181,7 @@ def test_reading_something_else(tmp_path):
         read_hdf5(tmp_path / "other.h5")
     with h5py.File(tmp_path / "newer.h5", "w") as file:
         file.attrs["saltus_format"] = 99
-    with pytest.raises(ValueError, match="has format 99, this version reads 3"):
+    with pytest.raises(ValueError, match="has format 99, this version reads 4"):
         read_hdf5(tmp_path / "newer.h5")
 
 
@@ -187,10 +189,12 @@ def test_a_pose_that_is_not_one(tmp_path):
     mass = sk.LagrangianLinearTIDS([0.0], [1.0], [[1.0]])
     mass.add_shape(sk.Disc(1.0), pose=lambda q: (q[0], 0.0))
     trajectory = sk.TimeStepping(sk.NonSmoothDynamicalSystem([mass]), "ExplicitMoreauJeanOSI", 0.5).run(1.0)
-    with pytest.raises(ValueError, match=r"three finite numbers \(x, y, angle\), got 2"):
+    with pytest.raises(ValueError, match=r"three finite numbers \(x, y, angle\), or seven in space, got 2"):
         trajectory.to_hdf5(tmp_path / "x.h5")
     assert os.listdir(tmp_path) == []
-    with pytest.raises(TypeError, match="shape must be a Disc, Box or Polyline, got str"):
+    with pytest.raises(
+        TypeError, match="shape must be a Disc, Box, Polyline, Sphere, Cylinder or Mesh, got str"
+    ):
         mass.add_shape("disc", pose=lambda q: q)
     with pytest.raises(TypeError, match="pose must be a function"):
         mass.add_shape(sk.Disc(1.0), pose=(0, 0, 0))

@@ -318,7 +318,7 @@ def test_shapes_follow_the_run(tmp_path):
     (shape,) = trajectory.shapes
     assert shape.kind == "Disc"
     np.testing.assert_allclose(shape.poses, [[0.0, 1.0, 0.0], [0.5, 1.0, 0.0], [1.0, 1.0, 0.0]])
-    np.testing.assert_allclose(np.hypot(*shape.outline[:-1].T), 0.1)
+    np.testing.assert_allclose(np.hypot(*shape.points[:-1].T), 0.1)
 
 
 def test_plot_shows_every_contact():

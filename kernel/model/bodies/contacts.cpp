@@ -57,20 +57,32 @@ void BodyContact::require_dimensions(int coordinates, int freedoms) const {
 
 void BodyContact::gap(const In& q, Out g) const { g[0] = closest(BodyPair(q)).gap; }
 
+void BodyContact::directions(const BodyPair& bodies, const Vec3& normal, Vec3 (&along)[3]) const {
+  along[0] = normal;
+  if (bodies.a.planar) {
+    along[1] = normal.cross(Vec3::UnitZ());
+  } else if (size() == 3) {  // those of a plane or a face are fixed in its body
+    tangents(bodies.b.R.transpose() * normal, along[1], along[2]);
+    for (int i : {1, 2}) along[i] = bodies.b.R * along[i];
+  }
+}
+
 void BodyContact::jacobian(const In& q, OutMatrix J) const {
   const BodyPair bodies(q);
   const Closest at = closest(bodies);
-  Vec3 directions[3] = {at.normal};
-  if (bodies.a.planar) {
-    directions[1] = at.normal.cross(Vec3::UnitZ());
-  } else if (size() == 3) {  // those of a plane or a face are fixed in its body
-    tangents(bodies.b.R.transpose() * at.normal, directions[1], directions[2]);
-    for (int i : {1, 2}) directions[i] = bodies.b.R * directions[i];
-  }
+  Vec3 along[3];
+  directions(bodies, at.normal, along);
   const Vec3 arm_a = at.on_a - bodies.a.x, arm_b = at.on_b - bodies.b.x;
   for (int i = 0; i < size(); ++i)
-    add_to_row(bodies, directions[i], arm_a.cross(directions[i]), -arm_b.cross(directions[i]),
-               J.row(i).data());
+    add_to_row(bodies, along[i], arm_a.cross(along[i]), -arm_b.cross(along[i]), J.row(i).data());
+}
+
+ContactPlace BodyContact::place(const In& q) const {
+  const BodyPair bodies(q);
+  const Closest at = closest(bodies);
+  ContactPlace place{.point = at.on_a, .forces = size()};
+  directions(bodies, at.normal, place.directions);
+  return place;
 }
 
 SpherePlane::SpherePlane(int size, double radius, const Vec3& centre, const Vec3& point, const Vec3& normal)

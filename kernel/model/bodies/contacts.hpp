@@ -24,6 +24,12 @@ class BodyContact : public Relation {
   void require_dimensions(int coordinates, int freedoms) const override;
   void gap(const In& q, Out g) const final;
   void jacobian(const In& q, OutMatrix J) const final;
+  /// On the surface of the first body.
+  ContactPlace place(const In& q) const final;
+
+ private:
+  /// n, and the tangents that rows have
+  void directions(const BodyPair& bodies, const Vec3& normal, Vec3 (&along)[3]) const;
 };
 
 /// A sphere, or a disc in the plane, on a plane (line) that belongs to the second body or to the ground. Of

@@ -147,6 +147,15 @@ void Joint::jacobian(const In& q, OutMatrix J) const {
   }
 }
 
+// Rows of points come first.
+ContactPlace Joint::place(const In& q) const {
+  const BodyPair bodies(q);
+  ContactPlace place{.point = bodies.a.in_space(point_a_)};
+  for (const Row& row : rows_)
+    if (row.of_points) place.directions[place.forces++] = bodies.b.R * row.on_b;
+  return place;
+}
+
 // Of points e·d̈ + 2 ė·ḋ + ë·d; of directions f̈·e + 2 ḟ·ė + f·ë; at constant v
 void Joint::curvature(const In& q, const In& v, Out c) const {
   const BodyPair bodies(q);

@@ -36,6 +36,7 @@ class Joint final : public Relation {
   void jacobian(const In& q, OutMatrix J) const override;
   void curvature(const In& q, const In& v, Out c) const override;
   bool has_curvature() const override { return true; }
+  ContactPlace place(const In& q) const override;
 
  private:
   struct Row {

@@ -5,9 +5,6 @@
 
 namespace saltus {
 
-using Vec3 = Eigen::Vector3d;
-using Mat3 = Eigen::Matrix3d;
-
 /// Forces [N] act at the centre of mass, moments [N m] about it; in the frame of space, or of the body.
 struct BodyLoads {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();

@@ -76,8 +76,6 @@ def draw_mechanism(ax: Axes, trajectory: Trajectory) -> None:
     plot.shapes(
         ax, trajectory, np.linspace(first_turn[-1] * 0.08, first_turn[-1] * 0.55, 4).astype(int).tolist()
     )
-    for wall in (-0.026, 0.026):
-        ax.plot([0.08, 0.53], [wall, wall], color="black", linewidth=1.5)
     ax.set_title("Crank, rod and slider in its notch", loc="left")
 
 

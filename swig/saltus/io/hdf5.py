@@ -1,14 +1,16 @@
 """Runs in HDF5 files. There is one writer, for runs in memory and for those written while they go on.
 
-Layout, format 3
+Layout, format 4
 ----------------
 | | |
 |---|---|
-| attribute `saltus_format` | 3 |
+| attribute `saltus_format` | 4 |
 | attributes `layout`, `provenance` | JSON |
 | `rows` | number of complete rows: what stands behind them in the datasets does not count |
 | `columns/<name>` | (rows, ...) one dataset a column |
-| `shapes/<number>/outline`, `poses` | (points, 2) and (rows, 3); attributes `system`, `kind` |
+| `shapes/<number>/points`, `lines`, `faces` | of a shape, in its frame; attributes `system`, `kind` |
+| `shapes/<number>/poses` | (rows, 3) x, y, angle, or (rows, 7) x, y, z and a quaternion (w, x, y, z) |
+| `places/<number>/point`, `directions` | (rows, 3) and (rows, up to 3, 3) of a contact; attribute `contact` |
 
 Every dataset has an attribute `unit`. Rows are appended in HDF5's single-writer mode (SWMR), in which the
 file is consistent at any moment, and `rows` grows when a chunk is complete: a reader finds nothing
@@ -21,7 +23,7 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from math import prod
@@ -32,12 +34,22 @@ import h5py
 import numpy as np
 
 from saltus.io.files import NewFile, unwritable
-from saltus.io.records import UNITS, ContactSlot, Layout, Loaded, Provenance, Rows, ShapeRecord
+from saltus.io.records import (
+    UNITS,
+    ContactSlot,
+    Layout,
+    Loaded,
+    PlaceRecord,
+    Provenance,
+    Rows,
+    Scene,
+    ShapeRecord,
+)
 
 if TYPE_CHECKING:
     from saltus.typing import FloatArray
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 LIBRARY = ("v110", "v110")  #: the oldest HDF5 that knows the single-writer mode can read the files
 CHUNK_BYTES = 1 << 22  #: of the rows that are written at a time
 BLOCK_ROWS = 1024  #: at most, of the pieces in which HDF5 stores a dataset
@@ -50,7 +62,7 @@ class RunFile:
     ----------
     path : where it is to be; what is there already must be a run of Saltus, or empty
     layout, provenance : of the run
-    like, shapes : rows like those to come, {name: array}, and the shapes with their poses in them
+    like, scene : rows like those to come, {name: array}, and what is seen in them
     chunk : rows that are written at a time
 
     Raises
@@ -65,7 +77,7 @@ class RunFile:
         layout: Layout,
         provenance: Provenance,
         like: Mapping[str, Any],
-        shapes: Sequence[ShapeRecord],
+        scene: Scene,
         chunk: int,
     ) -> None:
         self._new = NewFile(path)
@@ -82,21 +94,22 @@ class RunFile:
                 self._file.attrs["saltus_format"] = FORMAT_VERSION
                 self._file.attrs["provenance"] = self._provenance
                 self._file.attrs["layout"] = json.dumps(asdict(layout))
-                _make_datasets(self._file, like, shapes, block)
+                _make_datasets(self._file, like, scene, block)
         except BaseException:
             self.discard()
             raise
 
-    def write(self, start: int, columns: Mapping[str, Any], poses: Sequence[FloatArray]) -> None:
+    def write(self, start: int, columns: Mapping[str, Any], scene: Scene) -> None:
         """Write rows from number `start` on; what stands there is overwritten."""
         rows = start + len(columns["t"])
         with self._errors_named():
-            self._require_space(sum(values.nbytes for values in (*columns.values(), *poses)))
+            moving = _moving(scene)
+            self._require_space(sum(values.nbytes for values in (*columns.values(), *moving.values())))
             file = self._open()
             for name in UNITS:
                 _put(file["columns"][name], start, rows, columns[name])
-            for number, values in enumerate(poses):
-                _put(file["shapes"][_shape_name(number)]["poses"], start, rows, values)
+            for place, values in moving.items():
+                _put(file[place], start, rows, values)
             file.flush()  # the rows are in the file before they count
             file["rows"][()] = rows
             file.flush()
@@ -162,13 +175,13 @@ def write_run(
     source: Rows,
     layout: Layout,
     provenance: Provenance,
-    shapes: Sequence[ShapeRecord],
+    scene: Scene,
 ) -> Path:
     """Write a run that is at hand, and return where it is. Errors as `RunFile`."""
     columns, rows = dict(source.columns()), source.rows
-    file = RunFile(path, layout, provenance, columns, shapes, min(chunk_rows(columns), max(rows, 1)))
+    file = RunFile(path, layout, provenance, columns, scene, min(chunk_rows(columns), max(rows, 1)))
     try:
-        file.write(0, columns, [shape.poses for shape in shapes])
+        file.write(0, columns, scene)
         file.close()
         file.publish()
     finally:
@@ -210,19 +223,22 @@ def open_run(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
         yield file
 
 
-def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, list[ShapeRecord]]:
+def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, Scene]:
     """All that a file holds. Errors as `open_run`."""
     with open_run(path) as file:
         try:
             rows = int(file["rows"][()])
             layout = json.loads(file.attrs["layout"])
             contacts = {name: ContactSlot(**slot) for name, slot in layout["contacts"].items()}
-            shapes = file["shapes"]
+            shapes, places = file["shapes"], file["places"]
             return (
                 Loaded(rows, {name: file["columns"][name][:rows] for name in UNITS}),
                 Layout(contacts, tuple(layout["coordinates"])),
                 Provenance(**json.loads(file.attrs["provenance"])),
-                [_read_shape(shapes[name], rows) for name in sorted(shapes)],
+                Scene(
+                    tuple(_read_shape(shapes[name], rows) for name in sorted(shapes)),
+                    tuple(_read_place(places[name], rows) for name in sorted(places)),
+                ),
             )
         except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
             raise ValueError(f"'{path}' must be a complete run of Saltus, got one with: {error!r}") from error
@@ -230,23 +246,55 @@ def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, 
 
 def _read_shape(group: h5py.Group, rows: int) -> ShapeRecord:
     system, kind = int(group.attrs["system"]), str(group.attrs["kind"])
-    return ShapeRecord(system, kind, group["outline"][:], group["poses"][:rows])
+    return ShapeRecord(
+        system, kind, group["points"][:], group["lines"][:], group["faces"][:], group["poses"][:rows]
+    )
 
 
-def _make_datasets(
-    file: h5py.File, like: Mapping[str, Any], shapes: Sequence[ShapeRecord], block: int
-) -> None:
+def _read_place(group: h5py.Group, rows: int) -> PlaceRecord:
+    return PlaceRecord(str(group.attrs["contact"]), group["point"][:rows], group["directions"][:rows])
+
+
+def _make_datasets(file: h5py.File, like: Mapping[str, Any], scene: Scene, block: int) -> None:
     file.create_dataset("rows", data=np.int64(0)).attrs["unit"] = "1"
     columns = file.create_group("columns")
     for name, unit in UNITS.items():
         _make_growing(columns, name, like[name], unit, block)
-    group = file.create_group("shapes")
-    for number, shape in enumerate(shapes):
-        place = group.create_group(_shape_name(number))
-        place.attrs["system"] = shape.system
-        place.attrs["kind"] = shape.kind
-        place.create_dataset("outline", data=shape.outline).attrs["unit"] = "m"
-        _make_growing(place, "poses", shape.poses, "m, m, rad", block)
+    file.create_group("places")
+    file.create_group("shapes")
+    for number, shape in enumerate(scene.shapes):
+        group = file.create_group(_numbered("shapes", number))
+        group.attrs["system"] = shape.system
+        group.attrs["kind"] = shape.kind
+        for name, values, unit in (
+            ("points", shape.points, "m"),
+            ("lines", shape.lines, "1"),
+            ("faces", shape.faces, "1"),
+        ):
+            group.create_dataset(name, data=values).attrs["unit"] = unit
+        _make_growing(
+            group,
+            "poses",
+            shape.poses,
+            "m, m, rad" if shape.poses.shape[1] == 3 else "m, m, m, 1, 1, 1, 1",
+            block,
+        )
+    for number, place in enumerate(scene.places):
+        group = file.create_group(_numbered("places", number))
+        group.attrs["contact"] = place.contact
+        _make_growing(group, "point", place.point, "m", block)
+        _make_growing(group, "directions", place.directions, "1", block)
+
+
+def _moving(scene: Scene) -> dict[str, FloatArray]:
+    """What has rows, by its name in the file."""
+    values = {
+        f"{_numbered('shapes', number)}/poses": shape.poses for number, shape in enumerate(scene.shapes)
+    }
+    for number, place in enumerate(scene.places):
+        values[f"{_numbered('places', number)}/point"] = place.point
+        values[f"{_numbered('places', number)}/directions"] = place.directions
+    return values
 
 
 def _make_growing(group: h5py.Group, name: str, like: FloatArray, unit: str, block: int) -> None:
@@ -264,8 +312,8 @@ def _put(dataset: h5py.Dataset, start: int, end: int, values: FloatArray) -> Non
     dataset[start:end] = values
 
 
-def _shape_name(number: int) -> str:
-    return f"{number:04d}"
+def _numbered(group: str, number: int) -> str:
+    return f"{group}/{number:06d}"
 
 
 def _require_replaceable(target: Path) -> None:

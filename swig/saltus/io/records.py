@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Protocol
 
-from saltus._core import __version__, run_columns
+import numpy as np
+
+from saltus._core import __version__, rotation_matrix, run_columns
 
 if TYPE_CHECKING:
-    from saltus.shapes import PlacedShape
-    from saltus.typing import FloatArray
+    from saltus.typing import FloatArray, IntArray
 
 UNITS = run_columns()  #: all columns of a run, name: unit
 CONTACT_COLUMNS = ("gap", "velocity", "lambda_plus", "lambda_minus", "force", "impulse")
@@ -93,29 +94,53 @@ class ContactRecord:
 
 @dataclass(frozen=True)
 class ShapeRecord:
-    """A shape of a system and its pose in every row: x [m], y [m], angle [rad]."""
+    """A shape of a system, or with -1 one around the systems, and where it is in every row."""
 
     system: int
     kind: str
-    outline: FloatArray  #: (points, 2) [m] in the shape's frame
-    poses: FloatArray  #: (rows, 3)
+    points: FloatArray  #: (points, 2) or (points, 3) [m] in the shape's frame
+    lines: IntArray  #: (lines, 2) numbers of points
+    faces: IntArray  #: (faces, 3) numbers of points, counterclockwise from outside
+    poses: FloatArray  #: (rows, 3): x [m], y [m], angle [rad]; or (rows, 7): x, y, z [m], quaternion
+
+    @property
+    def spatial(self) -> bool:
+        """True unless it stays in the plane z = 0."""
+        return bool(self.points.shape[1] == 3 or self.poses.shape[1] == 7)
+
+    def in_space(self, row: int) -> FloatArray:
+        """Where its points are in a row (points, 3) [m]."""
+        points = np.zeros((len(self.points), 3))
+        points[:, : self.points.shape[1]] = self.points
+        at, rotation = in_space(self.poses[row])
+        placed: FloatArray = points @ rotation.T + at
+        return placed
 
 
-def follow(shapes: Iterable[PlacedShape | ShapeRecord], layout: Layout, q: FloatArray) -> list[ShapeRecord]:
-    """Shapes with their poses at positions q (rows, n) of all systems.
-
-    Raises
-    ------
-    ValueError
-        If a pose is not three finite numbers.
-    """
-    return [shape if isinstance(shape, ShapeRecord) else _follow(shape, layout, q) for shape in shapes]
+def in_space(pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Origin (3,) [m] and rotation matrix (3, 3) of a pose (3,) or (7,)."""
+    if len(pose) == 3:
+        x, y, angle = pose
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([x, y, 0.0]), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.array(pose[:3]), rotation_matrix(pose[3:])
 
 
-def _follow(shape: PlacedShape, layout: Layout, q: FloatArray) -> ShapeRecord:
-    start = sum(layout.coordinates[: shape.system])
-    poses = shape.poses(q[:, start : start + layout.coordinates[shape.system]])
-    return ShapeRecord(shape.system, type(shape.shape).__name__, shape.shape.outline(), poses)
+@dataclass(frozen=True)
+class PlaceRecord:
+    """Where a contact is in every row, and along which directions its rows push its first system."""
+
+    contact: str
+    point: FloatArray  #: (rows, 3) [m]
+    directions: FloatArray  #: (rows, up to 3, 3), of the contact's first rows
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is seen of a run."""
+
+    shapes: tuple[ShapeRecord, ...] = ()
+    places: tuple[PlaceRecord, ...] = ()
 
 
 def plain(parameters: Mapping[str, Any]) -> dict[str, Any]:

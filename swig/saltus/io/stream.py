@@ -5,15 +5,15 @@ from __future__ import annotations
 import contextlib
 import os
 import weakref
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from saltus._core import Recording
 from saltus.io.hdf5 import RunFile, chunk_rows
-from saltus.io.records import UNITS, Layout, Provenance, follow
+from saltus.io.records import UNITS, Layout, Provenance
 
 if TYPE_CHECKING:
-    from saltus.shapes import PlacedShape
+    from saltus.scene import Appearance
 
 SECONDS = 1.0  #: at most between two chunks: what a killed process loses
 
@@ -25,7 +25,7 @@ class Stream:
     ----------
     path : of the file, which a run of Saltus there makes room for
     recording : with the first row
-    layout, provenance, shapes : of the run
+    layout, provenance, look : of the run
 
     Raises
     ------
@@ -39,16 +39,14 @@ class Stream:
         recording: Recording,
         layout: Layout,
         provenance: Provenance,
-        shapes: Sequence[PlacedShape],
+        look: Appearance,
     ) -> None:
         first = recording.columns()
-        placed = follow(shapes, layout, first["q"])
         chunk = chunk_rows(first)
-        file = RunFile(path, layout, provenance, first, placed, chunk)
+        file = RunFile(path, layout, provenance, first, look.scene(first["t"], first["q"]), chunk)
 
         def write(start: int, columns: Mapping[str, Any]) -> None:
-            poses = [shape.poses for shape in follow(shapes, layout, columns["q"])]
-            file.write(start, columns, poses)
+            file.write(start, columns, look.scene(columns["t"], columns["q"]))
 
         try:
             recording.stream(write, chunk, SECONDS)

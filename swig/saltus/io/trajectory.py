@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,17 +13,21 @@ from saltus.io.records import (
     CONTACT_COLUMNS,
     ContactRecord,
     Layout,
+    PlaceRecord,
     Provenance,
     Rows,
+    Scene,
     ShapeRecord,
-    follow,
 )
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from saltus.shapes import PlacedShape
+    from saltus.scene import Appearance
     from saltus.typing import BoolArray, FloatArray, IntArray
+
+
+NOTHING = Scene()  #: that is seen
 
 
 class Trajectory:
@@ -38,12 +42,12 @@ class Trajectory:
         source: Rows,
         layout: Layout,
         provenance: Provenance,
-        shapes: Sequence[PlacedShape | ShapeRecord] = (),
+        look: Appearance | Scene = NOTHING,
     ) -> None:
         self._source = source
         self._columns: Mapping[str, Any] = {}
         self._rows = -1  # of these columns
-        self._shapes = tuple(shapes)
+        self._look = look
         self.layout = layout
         self.provenance = provenance
 
@@ -165,9 +169,19 @@ class Trajectory:
         return self._int("captures")
 
     @property
-    def shapes(self) -> list[ShapeRecord]:
-        """The systems' shapes with their poses in every row."""
-        return follow(self._shapes, self.layout, self.q)
+    def scene(self) -> Scene:
+        """What is seen in every row: shapes with their poses, contacts with their places."""
+        return self._look if isinstance(self._look, Scene) else self._look.scene(self.t, self.q)
+
+    @property
+    def shapes(self) -> tuple[ShapeRecord, ...]:
+        """The shapes of the systems and around them, with their poses in every row."""
+        return self.scene.shapes
+
+    @property
+    def places(self) -> tuple[PlaceRecord, ...]:
+        """Where the contacts are that know it, in every row."""
+        return self.scene.places
 
     def plot(self) -> Figure:
         """Draw positions, gaps, forces, impulses and energy over time; impacts are marked."""
@@ -176,7 +190,7 @@ class Trajectory:
         return plot_trajectory(self)
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
-        """Write all columns with units, shapes and provenance; an existing run is replaced as a whole.
+        """Write all columns with units, what is seen, and provenance; an existing run is replaced as a whole.
 
         Raises
         ------
@@ -184,7 +198,7 @@ class Trajectory:
             If the file cannot be written, FileExistsError if there is another file than a run; what was
             there is untouched.
         """
-        return write_run(path, self._source, self.layout, self.provenance, self.shapes)
+        return write_run(path, self._source, self.layout, self.provenance, self.scene)
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns as text (RFC 4180), an existing file is replaced as a whole.
