@@ -53,6 +53,18 @@ py::object places(const NonSmoothDynamicalSystem& self, int index,
   return py::make_tuple(points, directions);
 }
 
+// The law by name with its parameters, which the layout of a run keeps
+py::dict description(const NonSmoothLaw& law) {
+  using namespace py::literals;
+  if (law.bilateral) return py::dict("name"_a = "EqualityConditionNSL");
+  if (law.sets.size() != 1) return py::dict("name"_a = "NonSmoothLaw");
+  const double normal = law.restitution[0];
+  const auto* coulomb = std::get_if<Coulomb>(&law.sets.front());
+  if (!coulomb) return py::dict("name"_a = "NewtonImpactNSL", "restitution"_a = normal);
+  return py::dict("name"_a = "NewtonImpactFrictionNSL", "restitution"_a = normal,
+                  "tangential_restitution"_a = law.restitution[1], "friction"_a = coulomb->mu);
+}
+
 void bind_model(py::module_& module) {
   const char* interaction_doc =
       "A relation with the law that acts in it, in either order; results carry its name.\n\n"
@@ -117,12 +129,12 @@ void bind_model(py::module_& module) {
       .def("check_items", &check)
       .def("places", &places, py::arg("link"), py::arg("q"))
       .def("contacts", [](const NonSmoothDynamicalSystem& self) {
-        // name, offset and number of rows, offset and number of gaps
-        std::vector<std::tuple<std::string, int, int, int, int>> all;
+        // name, offset and number of rows, offset and number of gaps, law
+        std::vector<std::tuple<std::string, int, int, int, int, py::dict>> all;
         int row = 0, gap = 0;
         for (const auto& link : self.links()) {
           const NonSmoothLaw& law = link.interaction->law();
-          all.emplace_back(link.name, row, law.size(), gap, law.gaps);
+          all.emplace_back(link.name, row, law.size(), gap, law.gaps, description(law));
           row += law.size();
           gap += law.gaps;
         }

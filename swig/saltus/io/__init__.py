@@ -1,11 +1,14 @@
 """Results: a run as numpy arrays, in memory, in HDF5 files and as CSV."""
 
+from saltus.io.contact_states import ContactState
 from saltus.io.first_order import FirstOrderLayout, FirstOrderTrajectory, read_first_order
-from saltus.io.records import ContactRecord, Layout, Provenance, ShapeRecord
+from saltus.io.records import ContactLaw, ContactRecord, Layout, Provenance, ShapeRecord
 from saltus.io.trajectory import Trajectory, read_hdf5
 
 __all__ = [
+    "ContactLaw",
     "ContactRecord",
+    "ContactState",
     "FirstOrderLayout",
     "FirstOrderTrajectory",
     "Layout",

@@ -5,7 +5,8 @@ Layout, format 4
 | | |
 |---|---|
 | attribute `saltus_format` | 4 |
-| attributes `layout`, `provenance` | JSON |
+| attribute `layout` | JSON: coordinates of each system; rows, gaps and law of each contact |
+| attribute `provenance` | JSON |
 | `rows` | number of complete rows: what stands behind them in the datasets does not count |
 | `columns/<name>` | (rows, ...) one dataset a column |
 | `shapes/<number>/points`, `lines`, `faces` | of a shape, in its frame; attributes `system`, `kind` |
@@ -36,6 +37,7 @@ import numpy as np
 from saltus.io.files import NewFile, unwritable
 from saltus.io.records import (
     UNITS,
+    ContactLaw,
     ContactSlot,
     Layout,
     Loaded,
@@ -229,7 +231,10 @@ def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, 
         try:
             rows = int(file["rows"][()])
             layout = json.loads(file.attrs["layout"])
-            contacts = {name: ContactSlot(**slot) for name, slot in layout["contacts"].items()}
+            contacts = {
+                name: ContactSlot(**{**slot, "law": ContactLaw(**slot["law"])})
+                for name, slot in layout["contacts"].items()
+            }
             shapes, places = file["shapes"], file["places"]
             return (
                 Loaded(rows, {name: file["columns"][name][:rows] for name in UNITS}),

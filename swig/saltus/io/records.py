@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Protocol
@@ -13,7 +13,7 @@ import numpy as np
 from saltus._core import __version__, rotation_matrix, run_columns
 
 if TYPE_CHECKING:
-    from saltus.typing import FloatArray, IntArray
+    from saltus.typing import FloatArray, IntArray, StateArray
 
 UNITS = run_columns()  #: all columns of a run, name: unit
 CONTACT_COLUMNS = ("gap", "velocity", "lambda_plus", "lambda_minus", "force", "impulse")
@@ -43,13 +43,32 @@ class Loaded:
 
 
 @dataclass(frozen=True)
+class ContactLaw:
+    """The law of a contact: its class, and the parameters that it has."""
+
+    name: str  #: of a class of `saltus.kernel`, "NonSmoothLaw" if there is no special one
+    restitution: float | None = None  #: ε_N
+    tangential_restitution: float | None = None  #: ε_T
+    friction: float | None = None  #: μ
+
+    @property
+    def bilateral(self) -> bool:
+        """True for an equality, which always holds."""
+        return self.name == "EqualityConditionNSL"
+
+
+@dataclass(frozen=True)
 class ContactSlot:
-    """Where a contact's rows and gaps stand among those of all contacts."""
+    """Where a contact's rows and gaps stand among those of all contacts, and its law.
+
+    The first rows are those with a gap, normal ones or those of an equality, the others are tangential.
+    """
 
     row: int
     rows: int
     gap: int
     gaps: int
+    law: ContactLaw
 
 
 @dataclass(frozen=True)
@@ -60,9 +79,15 @@ class Layout:
     coordinates: tuple[int, ...]
 
     @staticmethod
-    def of(contacts: Sequence[tuple[str, int, int, int, int]], coordinates: Sequence[int]) -> Layout:
-        """From what the model lists: (name, row, rows, gap, gaps) of each contact."""
-        return Layout({name: ContactSlot(*place) for name, *place in contacts}, tuple(coordinates))
+    def of(
+        contacts: Sequence[tuple[str, int, int, int, int, Mapping[str, Any]]], coordinates: Sequence[int]
+    ) -> Layout:
+        """From what the model lists: (name, row, rows, gap, gaps, law) of each contact."""
+        slots = {
+            name: ContactSlot(row, rows, gap, gaps, ContactLaw(**law))
+            for name, row, rows, gap, gaps, law in contacts
+        }
+        return Layout(slots, tuple(coordinates))
 
 
 @dataclass(frozen=True)
@@ -90,6 +115,13 @@ class ContactRecord:
     lambda_minus: FloatArray  #: λ⁻ at its end [N]
     force: FloatArray  #: mean over the step [N], of the scheme's order where λ⁺ and λ⁻ are each of first
     impulse: FloatArray  #: Λ at its end [N s]
+    law: ContactLaw
+    find_states: Callable[[], StateArray] = field(repr=False)
+
+    @property
+    def states(self) -> StateArray:
+        """Open, closed, sticking, slipping, impact or held: codes of `ContactState`, (rows,) of int8."""
+        return self.find_states()
 
 
 @dataclass(frozen=True)

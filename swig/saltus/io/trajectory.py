@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from saltus.io.contact_states import Reactions, contact_states
 from saltus.io.csv import write_csv
 from saltus.io.hdf5 import read_run, write_run
 from saltus.io.records import (
@@ -47,6 +48,7 @@ class Trajectory:
         self._source = source
         self._columns: Mapping[str, Any] = {}
         self._rows = -1  # of these columns
+        self._run: Reactions | None = None  # of these columns
         self._look = look
         self.layout = layout
         self.provenance = provenance
@@ -55,6 +57,7 @@ class Trajectory:
         """All columns, name: array with one entry or row for each row of the run."""
         if self._rows != self._source.rows:
             self._columns, self._rows = self._source.columns(), self._source.rows
+            self._run = None
         return self._columns
 
     def __len__(self) -> int:
@@ -70,7 +73,9 @@ class Trajectory:
         rows = slice(slot.row, slot.row + slot.rows)
         gaps = slice(slot.gap, slot.gap + slot.gaps)
         parts = {key: columns[key][:, gaps if key == "gap" else rows] for key in CONTACT_COLUMNS}
-        return ContactRecord(name, **parts)
+        return ContactRecord(
+            name, **parts, law=slot.law, find_states=lambda: contact_states(columns, slot, self._reactions())
+        )
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -183,6 +188,11 @@ class Trajectory:
         """Where the contacts are that know it, in every row."""
         return self.scene.places
 
+    @property
+    def told_apart(self) -> bool:
+        """Are there forces λ besides impulses Λ? Under Moreau-Jean all that acts is Λ, also at rest."""
+        return self._reactions().told_apart
+
     def plot(self) -> Figure:
         """Draw positions, gaps, forces, impulses and energy over time; impacts are marked."""
         from saltus.plot import plot_trajectory
@@ -217,6 +227,12 @@ class Trajectory:
         count = len(self)
         span = f"t = {self.t[0]:g} ... {self.t[-1]:g} s" if count else "empty"
         return f"<Trajectory {self.provenance.integrator}: {count} rows, {span}>"
+
+    def _reactions(self) -> Reactions:
+        columns = self.columns()
+        if self._run is None:
+            self._run = Reactions.of(columns)
+        return self._run
 
     def _int(self, name: str) -> IntArray:
         column: IntArray = self.columns()[name]
