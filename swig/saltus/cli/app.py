@@ -216,6 +216,25 @@ def run(
 
 
 @app.command()
+def report(
+    run: Annotated[Path, typer.Argument(metavar="RUN.h5", help="A run in an HDF5 file.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="PAGE.html", help="The page; default: beside the run.")
+    ] = None,
+    title: Annotated[str | None, typer.Option(help="Its heading; default: the name of the run.")] = None,
+    caption: Annotated[str | None, typer.Option(help="What there is to see.")] = None,
+) -> None:
+    """Write a page for the browser: animation, plots with zoom, and what each contact does."""
+    from saltus.io import read_hdf5
+
+    with _misuse():
+        page = read_hdf5(run).report(
+            out or run.with_suffix(".html"), title=title or run.stem, caption=caption
+        )
+    Console(soft_wrap=True).print(str(page), highlight=False)
+
+
+@app.command()
 def compare(
     model: ModelArgument,
     integrators: Integrators = "",

@@ -2,7 +2,15 @@
 
 from saltus.io.contact_states import ContactState
 from saltus.io.first_order import FirstOrderLayout, FirstOrderTrajectory, read_first_order
-from saltus.io.records import ContactLaw, ContactRecord, Layout, Provenance, ShapeRecord
+from saltus.io.records import (
+    ContactLaw,
+    ContactRecord,
+    Layout,
+    PlaceRecord,
+    Provenance,
+    Scene,
+    ShapeRecord,
+)
 from saltus.io.trajectory import Trajectory, read_hdf5
 
 __all__ = [
@@ -12,7 +20,9 @@ __all__ = [
     "FirstOrderLayout",
     "FirstOrderTrajectory",
     "Layout",
+    "PlaceRecord",
     "Provenance",
+    "Scene",
     "ShapeRecord",
     "Trajectory",
     "read_first_order",

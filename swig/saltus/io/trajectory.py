@@ -199,6 +199,35 @@ class Trajectory:
 
         return plot_trajectory(self)
 
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        title: str | None = None,
+        caption: str | None = None,
+    ) -> Path:
+        """Write a page for the browser: animation, plots with zoom, and what each contact does.
+
+        One HTML file that needs no network. Of a long run it has some thousand rows: impacts, what is before
+        them, the extremes of each plot, and others evenly. An existing file is replaced as a whole.
+
+        Parameters
+        ----------
+        path : of the page
+        title : its heading; the integrator's name if it is left out
+        caption : what there is to see, a sentence or two above the animation
+
+        Raises
+        ------
+        ValueError
+            If the run has no rows, or times that are not finite.
+        OSError
+            If the file cannot be written; what was there is untouched.
+        """
+        from saltus.report import write_report
+
+        return write_report(self, path, title, caption)
+
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns with units, what is seen, and provenance; an existing run is replaced as a whole.
 

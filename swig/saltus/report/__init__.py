@@ -1,0 +1,83 @@
+"""The report of a run: one HTML page with its animation, its plots and its contacts.
+
+`page.html` is the frame. The scripts are put into it in the order of `SCRIPTS`, with numbers and texts
+of the run from `content`, so that it needs no network. Plots are drawn by uPlot, whose licence is beside it
+in `vendor/`.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import json
+import os
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from saltus.io.files import NewFile, unwritable
+from saltus.report.content import Content, content_of
+
+if TYPE_CHECKING:
+    from saltus.io import Trajectory
+
+SCRIPTS = ("data.js", "view.js", "scene.js", "timeline.js", "plots.js", "page.js")
+
+
+def write_report(
+    trajectory: Trajectory, path: str | os.PathLike[str], title: str | None = None, caption: str | None = None
+) -> Path:
+    """Write the page of a run and return where it is; an existing file is replaced as a whole.
+
+    Parameters
+    ----------
+    trajectory : the run
+    path : of the page
+    title : its heading; the integrator's name if it is left out
+    caption : what there is to see, a sentence or two above the animation
+
+    Raises
+    ------
+    ValueError
+        If the run has no rows, or times that are not finite.
+    OSError
+        If the file cannot be written; what was there is untouched.
+    """
+    text = page(content_of(trajectory), title or f"Run of {trajectory.provenance.integrator}", caption or "")
+    file = NewFile(path)
+    try:
+        file.part.write_text(text, encoding="utf-8")
+        file.publish()
+    except OSError as error:
+        raise unwritable(file.target, error) from error
+    finally:
+        file.discard()
+    return file.target
+
+
+def page(content: Content, title: str, caption: str) -> str:
+    """The page as text."""
+    packed = base64.b64encode(gzip.compress(content.numbers, 6, mtime=0)).decode("ascii")
+    parts = {
+        "style": _read("vendor/uPlot.min.css") + _read("page.css"),
+        "plot-library": _read("vendor/uPlot.iife.min.js"),
+        "scripts": "\n".join(_read(name) for name in SCRIPTS),
+        "numbers": packed,
+        "run": _script_safe(content.texts),
+        "caption": html.escape(caption),
+        "title": html.escape(title),
+    }
+    text = _read("page.html")
+    for name, part in parts.items():
+        text = text.replace(f"<!--{name}-->", part)
+    return text
+
+
+def _read(name: str) -> str:
+    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _script_safe(texts: dict[str, Any]) -> str:
+    """JSON that cannot end the element it stands in."""
+    return json.dumps(texts, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
