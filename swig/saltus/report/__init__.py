@@ -22,6 +22,13 @@ from saltus.report.content import Content, content_of
 if TYPE_CHECKING:
     from saltus.io import Trajectory
 
+SIZES = (
+    8_000_000,
+    4_000_000,
+    2_000_000,
+    1_000_000,
+)  #: bytes of numbers: how far they can be packed is not known
+PACKED = 2_000_000  #: at most, so that the page stays below 3 MB
 SCRIPTS = ("data.js", "view.js", "scene.js", "timeline.js", "plots.js", "page.js")
 
 
@@ -44,7 +51,8 @@ def write_report(
     OSError
         If the file cannot be written; what was there is untouched.
     """
-    text = page(content_of(trajectory), title or f"Run of {trajectory.provenance.integrator}", caption or "")
+    content, packed = _packed(trajectory)
+    text = _page(content.texts, packed, title or f"Run of {trajectory.provenance.integrator}", caption or "")
     file = NewFile(path)
     try:
         file.part.write_text(text, encoding="utf-8")
@@ -56,15 +64,23 @@ def write_report(
     return file.target
 
 
-def page(content: Content, title: str, caption: str) -> str:
-    """The page as text."""
-    packed = base64.b64encode(gzip.compress(content.numbers, 6, mtime=0)).decode("ascii")
+def _packed(trajectory: Trajectory) -> tuple[Content, bytes]:
+    """As many rows as the page can carry."""
+    for size in SIZES:
+        content = content_of(trajectory, size)
+        packed = gzip.compress(content.numbers, 6, mtime=0)
+        if len(packed) <= PACKED:
+            break
+    return content, packed
+
+
+def _page(texts: dict[str, Any], packed: bytes, title: str, caption: str) -> str:
     parts = {
         "style": _read("vendor/uPlot.min.css") + _read("page.css"),
         "plot-library": _read("vendor/uPlot.iife.min.js"),
         "scripts": "\n".join(_read(name) for name in SCRIPTS),
-        "numbers": packed,
-        "run": _script_safe(content.texts),
+        "numbers": base64.b64encode(packed).decode("ascii"),
+        "run": _script_safe(texts),
         "caption": html.escape(caption),
         "title": html.escape(title),
     }

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from saltus.io import Scene, Trajectory
     from saltus.typing import IntArray
 
-NUMBERS = 2_000_000  #: bytes of them, before they are packed
 FEWEST_ROWS = 200
 MOST_SHAPES = 400
 TYPES = {"float32": "f4", "float64": "f8", "uint16": "u2", "uint32": "u4", "uint8": "u1"}
@@ -31,8 +30,8 @@ class Content:
     numbers: bytes
 
 
-def content_of(trajectory: Trajectory) -> Content:
-    """Of a run.
+def content_of(trajectory: Trajectory, most: int) -> Content:
+    """Of a run, with as many rows as about `most` bytes can hold.
 
     Raises
     ------
@@ -45,7 +44,7 @@ def content_of(trajectory: Trajectory) -> Content:
     scene = trajectory.scene
     contacts = ranking(trajectory)
     panels = panels_of(trajectory, contacts)
-    rows = rows_of(trajectory, panels, scene)
+    rows = rows_of(trajectory, panels, scene, most)
     arrays = _Arrays()
     arrays.put("t", t[rows], "float64")
     shapes = [
@@ -78,12 +77,12 @@ def content_of(trajectory: Trajectory) -> Content:
     return Content(texts, arrays.packed())
 
 
-def rows_of(trajectory: Trajectory, panels: Sequence[Panel], scene: Scene) -> IntArray:
+def rows_of(trajectory: Trajectory, panels: Sequence[Panel], scene: Scene, size: int) -> IntArray:
     """Rows that the page carries: all, or some evenly, impacts, what is before them, and extremes."""
     total = len(trajectory)
     numbers = sum(panel.values.shape[1] for panel in panels)
     numbers += sum(shape.poses.shape[1] for shape in scene.shapes) + 2 + 4 * len(scene.places)
-    most = max(NUMBERS // (4 * numbers), FEWEST_ROWS)
+    most = max(size // (4 * numbers), FEWEST_ROWS)
     if total <= most:
         return np.arange(total)
     hits = np.flatnonzero(trajectory.impulsive)

@@ -1,5 +1,5 @@
 // What the reader sees and does: one time, one range of times, everything follows them.
-const SHOWN_IN = 10, FLASH = 0.35; // seconds in which the whole run is shown, and in which an impulse is
+const SHOWN_IN = 10, FLASH = 0.25; // seconds in which the whole run is shown, and in which an impulse is
 const MOST_EVENTS = 300;
 const MEANINGS = {
   OPEN: "open", CLOSED: "closed", STICK: "sticks", SLIP: "slides", IMPACT: "impact", HELD: "held (joint)",

@@ -100,11 +100,8 @@ def _energy(trajectory: Trajectory) -> Panel:
 
 def _step_size(trajectory: Trajectory) -> Panel:
     """Δt, or the mean of the steps that a scheme took itself within it."""
-    numbers, dt = trajectory.step, trajectory.provenance.time_step
-    sizes = dt / np.maximum(trajectory.accepted_steps, 1)
-    taken = np.where(numbers > 0, sizes, np.nan)
-    taken[:1] = taken[1:2]
+    sizes = trajectory.provenance.time_step / np.maximum(trajectory.accepted_steps, 1)
     note = (
         "Mean of the steps that the scheme chose within Δt." if (trajectory.accepted_steps > 0).any() else ""
     )
-    return Panel("Step size", "s", "log" if note else "lines", [Line("Δt")], taken[:, None], note)
+    return Panel("Step size", "s", "log" if note else "lines", [Line("Δt")], sizes[:, None], note)
