@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
@@ -59,3 +60,13 @@ def panels(titles: Sequence[str], heading: str, height: float = 2.4) -> Iterator
             ax.set_title(title, loc="left")
         column[-1].set_xlabel("time t [s]")
         yield picture, column
+
+
+@contextmanager
+def sheet(
+    rows: int = 1, columns: int = 1, size: tuple[float, float] = (8, 4), **grid: Any
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Axes of a picture, row by row; what is drawn inside takes the house's style."""
+    with plt.rc_context(plot.STYLE):
+        picture, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained", **grid)
+        yield picture, list(axes.flat)

@@ -37,10 +37,14 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from math import cos, pi, sin
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 Gravity = Literal["oblique", "down"]
 DIRECTIONS: dict[Gravity, tuple[float, float]] = {
@@ -48,6 +52,12 @@ DIRECTIONS: dict[Gravity, tuple[float, float]] = {
     "down": (0.0, -1.0),
 }
 TIME_STEP = 5e-3  #: of the paper [s]
+
+CAPTION = (
+    "The ball falls obliquely in its box, bounces off the left wall and off the bottom, each time less, and "
+    "lies still in the corner. Each gap closes at its own times: the two directions do not know of each "
+    "other."
+)
 
 
 @dataclass(frozen=True)
@@ -93,6 +103,24 @@ def build(gravity: Gravity = "oblique") -> sk.NonSmoothDynamicalSystem:
         side = sk.LagrangianLinearTIR([normal], [offset])
         system.link(sk.Interaction(side, sk.NewtonImpactNSL(p.restitution), name=name), ball)
     return system
+
+
+def run() -> Trajectory:
+    """The fall under oblique gravity."""
+    return sk.TimeStepping(build(), "HalfExplicitTrapezoidalOSI", TIME_STEP).run(2.0)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the ball in its box, and the gaps."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    with sheet(1, 2, (9, 4)) as (figure, (box, gaps)):
+        plot.shapes(box, shown, [0, 60, 90, 125, 400])
+        box.plot(*shown.q.T, "k.", markersize=1.5)
+        plot.gaps(gaps, shown)
+        gaps.set_xlabel("time t [s]")
+    return figure
 
 
 def main() -> None:

@@ -47,6 +47,8 @@ import saltus.kernel as sk
 from scipy.special import ellipkinc
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
     from saltus.typing import FloatArray
 
 GRAVITY = 9.81  # γ [m/s²]
@@ -55,6 +57,12 @@ LENGTH = 0.8  # l [m]
 SPEED = sqrt(4.4 * GRAVITY * LENGTH)  # v0 [m/s]
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI"
+
+CAPTION = (
+    "The ball swings up on its string, blue, until the string goes slack; it falls along a parabola, red, "
+    "until the string is taut again with a jerk, at the exact place, the cross. Below, the force of the "
+    "string, which falls to zero where it goes slack."
+)
 
 
 class Reach(sk.LagrangianScleronomousR):
@@ -123,6 +131,31 @@ def jerk() -> Jerk:
     outward = -vx * sin(3 * alpha) + vy * cos(3 * alpha)
     along = -vx * cos(3 * alpha) - vy * sin(3 * alpha)
     return Jerk(start + flight, 3 * alpha, MASS * outward, along)
+
+
+def run() -> Trajectory:
+    """One swing, the flight, and the swing after the jerk."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP).run(1.3)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the way of the ball, and the force of the string."""
+    from saltus.examples.figure import sheet
+
+    taut, end = shown["string"].force[:, 0] > 0, jerk()
+    with sheet(2, 1, (7, 7.5), height_ratios=[2.5, 1]) as (figure, (way, force)):
+        for part, color, label in ((taut, "C0", "taut"), (~taut, "C3", "slack")):
+            way.plot(*np.where(part[:, None], shown.q, np.nan).T, color=color, label=label)
+        way.plot(-LENGTH * sin(end.angle), LENGTH * cos(end.angle), "kx", markersize=9, label="exactly")
+        way.plot(0.0, 0.0, "k.")
+        way.set_aspect("equal")
+        way.set_xlabel("x [m]")
+        way.set_ylabel("y [m]")
+        way.legend()
+        force.plot(shown.t, shown["string"].force[:, 0])
+        force.set_xlabel("time t [s]")
+        force.set_ylabel("force λ [N]")
+    return figure
 
 
 def main() -> None:

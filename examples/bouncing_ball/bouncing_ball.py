@@ -14,13 +14,24 @@ Run this file to see the exact and the computed times.
 from __future__ import annotations
 
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # [m/s²]
 MASS = 1.0  # [kg]
 HEIGHT = 1.0  # [m]
 RESTITUTION = 0.8
+
+CAPTION = (
+    "The ball bounces ever lower and ever faster, and rests from the time on at which infinitely many "
+    "impacts are over, the dashed line. Impulses at the impacts and the force that carries the ball "
+    "afterwards are told apart."
+)
 
 
 def build(restitution: float = RESTITUTION) -> sk.NonSmoothDynamicalSystem:
@@ -37,6 +48,28 @@ def build(restitution: float = RESTITUTION) -> sk.NonSmoothDynamicalSystem:
 def rest_time(restitution: float = RESTITUTION) -> float:
     """When the last of infinitely many impacts is over [s]."""
     return sqrt(2 * HEIGHT / GRAVITY) * (1 + restitution) / (1 - restitution)
+
+
+def run() -> Trajectory:
+    """All of its bounces."""
+    return sk.TimeStepping(build(), "HalfExplicitTrapezoidalOSI", time_step=1e-3).run(until=5.0)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw height, impulses and force."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    with sheet(3, 1, (8, 6), sharex=True) as (figure, (height, impulses, forces)):
+        height.plot(shown.t, shown.q[:, 0])
+        height.set_ylabel("height q [m]")
+        plot.impulses(impulses, shown)
+        forces.plot(shown.t, shown["floor"].force[:, 0])
+        forces.set_ylabel("force λ [N]")
+        forces.set_xlabel("time t [s]")
+        for ax in (height, impulses, forces):
+            ax.axvline(rest_time(), color="black", linestyle="--", linewidth=0.8)
+    return figure
 
 
 def main() -> None:

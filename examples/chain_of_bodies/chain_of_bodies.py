@@ -43,6 +43,8 @@ import numpy as np
 import saltus.kernel as sk
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
     from saltus.typing import FloatArray
 
 GRAVITY = 9.81  # γ [m/s²]
@@ -52,6 +54,12 @@ ACROSS = MASS * LENGTH**2 / 12  # [kg m²]
 ALONG = 1e-3 * ACROSS  # a rod is thin
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI(activity=sticky,stabilization=position)"
+
+CAPTION = (
+    "Ten rods are let go from the horizontal: the chain falls, whips about and swings back. The joints stay "
+    "closed to rounding; the energy moves by less than 0.2 % of the largest kinetic one, when the chain "
+    "whips."
+)
 
 
 def build(n: int = 10, angles: FloatArray | float = 0.0) -> sk.NonSmoothDynamicalSystem:
@@ -107,6 +115,40 @@ def step_cost(n: int, steps: int = 100) -> float:
         simulation.take_step()
         seconds[k] = time.perf_counter() - start
     return float(np.median(seconds))
+
+
+def run() -> Trajectory:
+    """The fall from the horizontal."""
+    return sk.TimeStepping(build(10, pi / 2), SCHEME, TIME_STEP).run(1.5)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the chain at some times, and what the energy does."""
+    from matplotlib import colormaps
+    from saltus.examples.figure import sheet
+
+    rows = np.linspace(0, len(shown) - 1, 13).astype(int)
+    with sheet(1, 2, (9, 4.5), width_ratios=[1.6, 1]) as (figure, (chain, energy)):
+        for row in rows:
+            color = colormaps["viridis_r"](row / rows[-1])
+            chain.plot(*joints(shown.q[row]).T, "o-", color=color, markersize=2.5, linewidth=1)
+        chain.set_aspect("equal")
+        chain.set_xlabel("x [m]")
+        chain.set_ylabel("z [m]")
+        chain.set_title(f"every {shown.t[rows[1]]:.3f} s, darker as time goes on", loc="left")
+        kinetic = shown.kinetic_energy.max()
+        energy.plot(shown.t, 100 * (shown.energy - shown.energy[0]) / kinetic, color="black")
+        energy.set_xlabel("time t [s]")
+        energy.set_ylabel("energy gained, % of the largest kinetic one")
+    return figure
+
+
+def joints(q: FloatArray) -> FloatArray:
+    """Places of all joints and of the free end (n + 1, 2), in the plane y = 0 [m]."""
+    bodies = q.reshape(-1, 7)
+    down = np.array([-sk.rotation_matrix(body[3:])[:, 2] for body in bodies])
+    ends = bodies[:, :3] + LENGTH / 2 * down
+    return np.asarray(np.vstack([np.zeros(3), ends])[:, [0, 2]])
 
 
 def main() -> None:

@@ -45,6 +45,7 @@ import numpy as np
 import saltus.kernel as sk
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from saltus.io import Trajectory
     from saltus.typing import FloatArray
 
@@ -55,6 +56,11 @@ MU = 0.4
 WIDTH = 0.6  # of the container [m]
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI(activity=sticky,stabilization=position)"
+
+CAPTION = (
+    "Sixteen discs of different size fall into a container, roll over each other and come to rest; the "
+    "spokes show how they have turned. In the end floor and walls carry exactly their weight."
+)
 
 
 def disc(x: float, y: float, radius: float) -> sk.LagrangianLinearTIDS:
@@ -141,6 +147,26 @@ def carried(run: Trajectory) -> tuple[float, float]:
             n = {"floor": (0.0, 1.0), "left": (1.0, 0.0), "right": (-1.0, 0.0)}[line]
             total += [normal * n[0] + tangential * n[1], normal * n[1] - tangential * n[0]]
     return float(total[0]), float(total[1])
+
+
+def run() -> Trajectory:
+    """The fall into the container."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP).run(1.5)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the discs at the start, on the way and at rest."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    with sheet(1, 3, (9, 4), sharey=True) as (figure, axes):
+        for ax, time in zip(axes, (0.0, 0.25, 1.5), strict=True):
+            plot.shapes(ax, shown, [round(time / TIME_STEP)])
+            ax.plot([-WIDTH / 2, -WIDTH / 2, WIDTH / 2, WIDTH / 2], [0.6, 0.0, 0.0, 0.6], "k", linewidth=1.5)
+            ax.set_title(f"{time:g} s", loc="left")
+        for ax in axes[1:]:
+            ax.set_ylabel("")
+    return figure
 
 
 def main() -> None:

@@ -43,8 +43,13 @@ second order, too.
 from __future__ import annotations
 
 from math import atan, cos, pi, sin, sqrt
+from typing import TYPE_CHECKING
 
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # γ [m/s²]
 MASS = 2.0  # [kg]
@@ -56,6 +61,12 @@ START = 7.5 * OFFSET  # x_0 [m]: the oscillator turns three times and stays at �
 RADIUS = 0.1  # of the ball [m]
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI"
+
+CAPTION = (
+    "An oscillator on dry ground turns three times, at the exact places, the crosses, and stays where "
+    "friction can hold it. Amplitudes fall along a line. The friction force turns with the motion; at rest "
+    "it is what the spring asks for."
+)
 
 
 def on_plane(body: sk.LagrangianLinearTIDS, tangent: list[float], mu: float) -> sk.NonSmoothDynamicalSystem:
@@ -123,6 +134,29 @@ def ball() -> sk.NonSmoothDynamicalSystem:
 def rolling() -> tuple[float, float]:
     """When the ball begins to roll [s], and how fast [m/s]."""
     return 2 * SPEED / (7 * MU * GRAVITY), 5 * SPEED / 7
+
+
+def run() -> Trajectory:
+    """The oscillator, until it stays."""
+    return sk.TimeStepping(oscillator(), SCHEME, TIME_STEP).run(1.5)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw position and friction force."""
+    from saltus.examples.figure import sheet
+
+    with sheet(2, 1, (8, 5), sharex=True) as (figure, (place, friction)):
+        place.plot(shown.t, shown.q[:, 0])
+        place.plot(*zip(*turning_points(), strict=True), "kx", label="turns, exactly")
+        place.axhspan(-OFFSET, OFFSET, color="0.9", label="friction can hold")
+        place.set_ylabel("position x [m]")
+        place.legend(loc="upper right")
+        friction.plot(shown.t, shown["plane"].force[:, 1])
+        for side in (-1, 1):
+            friction.axhline(side * MU * MASS * GRAVITY, color="black", linestyle="--", linewidth=0.8)
+        friction.set_ylabel("friction λ_T [N]")
+        friction.set_xlabel("time t [s]")
+    return figure
 
 
 def main() -> None:

@@ -52,15 +52,26 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
 from scipy import sparse
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
+
 TIME_STEP = 1e-7  #: of the paper [s]
 END = 1.5e-3  #: [s]
 DAMPING = 1e3 / 2.1e11  #: δ of the damped bar [s]
 CONTACT = "obstacle"  #: name of the contact
+
+CAPTION = (
+    "Velocity of every section of the bar over the time: the front of the wave runs from the obstacle to "
+    "the free end and back, then the bar flies off. Meanwhile the obstacle presses with the force of the "
+    "continuous bar, the dashed line, about which the mesh of 50 elements rings."
+)
 
 
 @dataclass(frozen=True)
@@ -143,6 +154,32 @@ def build(
     first_node = sk.LagrangianLinearTIR(np.eye(1, nodes), [p.gap])
     system.link(sk.Interaction(first_node, sk.NewtonImpactNSL(0.0), name=CONTACT), bar)
     return system
+
+
+def run() -> Trajectory:
+    """The impact of 50 elements without damping, until shortly after the bar has left."""
+    return sk.TimeStepping(build(), "HalfExplicitTrapezoidalOSI", TIME_STEP, record_every=10).run(1.2e-3)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the wave, and the force on the obstacle."""
+    from saltus.examples.figure import sheet
+
+    p, t = Parameters(), 1e3 * shown.t
+    with sheet(2, 1, (8, 6), sharex=True) as (figure, (wave, force)):
+        places = np.linspace(0.0, p.L, shown.v.shape[1])
+        colors = wave.pcolormesh(
+            t, places, shown.v.T, cmap="RdBu_r", vmin=-1.5 * p.v0, vmax=1.5 * p.v0, rasterized=True
+        )
+        figure.colorbar(colors, ax=wave, label="velocity [m/s]")
+        wave.grid(visible=False)
+        wave.set_ylabel("place along the bar x [m]")
+        force.plot(t, shown[CONTACT].force[:, 0], linewidth=0.8)
+        start = t[shown.impulsive][0]
+        force.hlines(p.contact_force, start, start + 1e3 * p.contact_time, color="black", linestyle="--")
+        force.set_ylabel("force λ [N]")
+        force.set_xlabel("time t [ms]")
+    return figure
 
 
 def main() -> None:

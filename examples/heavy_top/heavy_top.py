@@ -42,6 +42,7 @@ import numpy as np
 import saltus.kernel as sk
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from saltus.io import Trajectory
     from saltus.typing import FloatArray
 
@@ -54,6 +55,12 @@ TILT = pi / 5  # θ at the start [rad]
 SPIN = 100.0  # Ω_3 [rad/s]
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI(activity=sticky,stabilization=position)"
+
+CAPTION = (
+    "Way of the centre of mass, seen from above: let go without precession, the top nods between two "
+    "inclinations, the dashed circles, which are exact. At the inner one it stands still for an instant, as "
+    "at the start."
+)
 
 
 @dataclass(frozen=True)
@@ -145,6 +152,32 @@ def turning_inclinations() -> FloatArray:
     u0, drive = cos(TILT), (ALONG * SPIN) ** 2 / (2 * MASS * GRAVITY * LENGTH * ABOUT_ORIGIN)
     roots = np.roots([1.0, -drive, drive * u0 - 1.0])
     return np.array([float(roots[np.abs(roots) < 1][0]), u0])
+
+
+def run() -> Trajectory:
+    """A second of nodding, from a start without precession."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP).run(1.0)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the way of the centre from above, and the inclination."""
+    from saltus.examples.figure import sheet
+
+    bounds = np.arccos(turning_inclinations())
+    with sheet(1, 2, (9, 4.5)) as (figure, (above, nod)):
+        above.plot(1e3 * shown.q[:, 0], 1e3 * shown.q[:, 1])
+        circle = np.linspace(0.0, 2 * pi, 200)
+        for bound in bounds:
+            radius = 1e3 * LENGTH * sin(bound)
+            above.plot(radius * np.cos(circle), radius * np.sin(circle), "k--", linewidth=0.8)
+            nod.axhline(bound, color="black", linestyle="--", linewidth=0.8)
+        above.set_aspect("equal")
+        above.set_xlabel("x [mm]")
+        above.set_ylabel("y [mm]")
+        nod.plot(shown.t, np.arccos(shown.q[:, 2] / LENGTH))
+        nod.set_xlabel("time t [s]")
+        nod.set_ylabel("inclination θ [rad]")
+    return figure
 
 
 def main() -> None:

@@ -15,15 +15,26 @@ Run this file to see what a step costs.
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # [m/s²]
 RADIUS = 0.1  # [m]
 MASS = 1.0  # [kg]
 INERTIA = 0.5 * MASS * RADIUS**2  # [kg m²], of a disc
 TIME_STEP = 1e-3  # [s]
+
+CAPTION = (
+    "A pyramid of 78 discs that has just begun to slide to the right. Lines join discs that press on each "
+    "other, the thicker the larger the force: as the floor brakes the lowest row, the weight is carried "
+    "down to the right."
+)
 
 
 def column(n: int) -> sk.NonSmoothDynamicalSystem:
@@ -103,6 +114,34 @@ def step_times(
         simulation.take_step()
         seconds[k] = time.perf_counter() - start
     return seconds
+
+
+def run() -> Trajectory:
+    """A pyramid of 78 discs that begins to slide."""
+    simulation = sk.TimeStepping(pyramid(12), "MoreauJeanOSI(theta=0.5)", TIME_STEP, tolerance=1e-8)
+    return simulation.run(0.02)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the discs, and the forces between them."""
+    from matplotlib.patches import Circle
+    from saltus.examples.figure import sheet
+
+    centres = shown.q[-1].reshape(-1, 3)[:, :2]
+    with sheet(size=(8, 6.5)) as (figure, (ax,)):
+        for centre in centres:
+            ax.add_patch(Circle(tuple(centre), RADIUS, fill=False, color="0.7"))
+        for name in shown.contacts:
+            first, _, other = name.partition(" on ")
+            start = centres[int(first)] if other else centres[int(name.split()[1])]
+            end = centres[int(other)] if other else start - [0.0, RADIUS]
+            width = 0.03 * shown[name].impulse[-5:, 0].mean() / TIME_STEP
+            ax.plot(*np.array([start, end]).T, color="C3", linewidth=width, solid_capstyle="round")
+        ax.axhline(0.0, color="black")
+        ax.set_aspect("equal")
+        ax.set_xlabel("x [m]")
+        ax.set_ylabel("y [m]")
+    return figure
 
 
 def main() -> None:

@@ -50,8 +50,13 @@ Run this file to see both.
 from __future__ import annotations
 
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # [m/s²]
 MASS = 0.05  # [kg], of a ball
@@ -62,6 +67,12 @@ SPEED = AMPLITUDE * OMEGA  # [m/s]: v0, a quarter of a period later
 PERIOD = 2 * pi / OMEGA  # [s]
 TIME_STEP = 1e-4  # [s]
 RADIUS = 0.01  # [m]
+
+CAPTION = (
+    "Five balls with gaps of 0.1 mm. The first one falls onto the others, and the last one leaves; half a "
+    "period later it comes back. Lines are the ways of the balls, each from its own place; the others stay "
+    "nearly at rest."
+)
 
 
 def build(balls: int = 5, gap: float = 1e-4, restitution: float = 1.0) -> sk.NonSmoothDynamicalSystem:
@@ -105,6 +116,25 @@ def together(balls: int, restitution: float) -> list[float]:
     """Velocities over v0 after an impact of the first ball against the others, which touch."""
     others = (1 + restitution) / balls
     return [others - restitution] + [others] * (balls - 1)
+
+
+def run() -> Trajectory:
+    """Two periods, with gaps."""
+    return sk.TimeStepping(build(), "HalfExplicitTrapezoidalOSI", TIME_STEP).run(2 * PERIOD)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the ways of the balls."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    with sheet(size=(8, 4.5)) as (figure, (ax,)):
+        for k, way in enumerate(shown.q.T):
+            ax.plot(shown.t, 1e3 * (way + 2 * RADIUS * k), label=f"ball {k + 1}")
+        ax.set_xlabel("time t [s]")
+        ax.set_ylabel("place along the row [mm]")
+        plot.legend_strip(ax, columns=5)
+    return figure
 
 
 def main() -> None:

@@ -47,10 +47,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import acosh, asin, atan2, cos, hypot, pi, sin, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
 from scipy.special import ellipk, ellipkinc
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # γ [m/s²]
 MASS = 2.0  # [kg]
@@ -62,6 +67,11 @@ TIME_STEP = 1e-3  # [s]
 SCHEME = (
     "HalfExplicitTrapezoidalOSI(activity=sticky,stabilization=position,"
     "impact=keep-resting-forces,impulsive_substeps=10)"
+)
+
+CAPTION = (
+    "The block rocks from corner to corner, less and less, and stands still after finite time, the dashed "
+    "line. Crosses are the exact turns."
 )
 
 
@@ -174,6 +184,30 @@ def exact(block: Block, tilt: float = TILT) -> Turns:
         tilts.append(tilt)
         t += block.fall(tilt)
     return Turns(impacts, turns, tilts, t)
+
+
+def run() -> Trajectory:
+    """All of its rocking."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP).run(1.5)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the block while it falls, and its tilt."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    known = exact(Block())
+    with sheet(1, 2, (9, 4), width_ratios=[1, 2]) as (figure, (block, tilt)):
+        plot.shapes(block, shown, [0, int(known.impacts[0] / TIME_STEP), int(known.turns[0] / TIME_STEP)])
+        block.axhline(0.0, color="black")
+        tilt.plot(shown.t, shown.q[:, 2])
+        turns = [(-1) ** k * angle for k, angle in enumerate(known.tilts)]
+        tilt.plot(known.turns, turns, "kx", label="exactly")
+        tilt.axvline(known.end, color="black", linestyle="--", linewidth=0.8)
+        tilt.set_xlabel("time t [s]")
+        tilt.set_ylabel("angle φ [rad]")
+        tilt.legend()
+    return figure
 
 
 def main() -> None:

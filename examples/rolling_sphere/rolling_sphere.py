@@ -52,6 +52,8 @@ import numpy as np
 import saltus.kernel as sk
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
     from saltus.typing import FloatArray
 
 GRAVITY = 9.81  # γ [m/s²]
@@ -62,6 +64,12 @@ VELOCITY = (1.5, 0.0, 0.0)  # v_0 [m/s]
 SPIN = (20.0, -90.0, 40.0)  # ω_0 [rad/s], in space: backspin, and english
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI"
+
+CAPTION = (
+    "Seen from above: the sphere is thrown to the right with backspin and english. While it slides, "
+    "friction bends its way to a parabola; from the cross on, which is exact, it rolls along a line. Below, "
+    "its velocity."
+)
 
 
 def build(
@@ -127,6 +135,33 @@ def after_impact(
     taken = min(2 * speed / 7, mu * normal)  # [m/s], of the centre
     tangential = np.asarray(velocity)[:2] - (taken * u / speed if speed > 0.0 else 0.0)
     return np.array([*tangential, velocity[2] + normal])
+
+
+def run() -> Trajectory:
+    """The throw with backspin and english."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP).run(1.5)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the way of the centre from above, and its velocity."""
+    from saltus.examples.figure import sheet
+
+    known = rolling()
+    with sheet(2, 1, (7, 6.5)) as (figure, (above, speed)):
+        above.plot(shown.q[:, 0], shown.q[:, 1])
+        above.plot(*known.place, "kx", label="begins to roll, exactly")
+        above.set_aspect("equal")
+        above.set_xlabel("x [m]")
+        above.set_ylabel("y [m]")
+        above.legend()
+        for k, name in enumerate("xy"):
+            speed.plot(shown.t, shown.v[:, k], label=name)
+            speed.axhline(known.velocity[k], color="black", linestyle="--", linewidth=0.8)
+        speed.axvline(known.t, color="0.7")
+        speed.set_xlabel("time t [s]")
+        speed.set_ylabel("velocity [m/s]")
+        speed.legend()
+    return figure
 
 
 def main() -> None:

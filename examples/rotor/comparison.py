@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import saltus.kernel as sk
 from saltus import plot
-from saltus.examples.figure import panels
+from saltus.examples.figure import panels, sheet
 from saltus.examples.rotor.animation import animate
 from saltus.examples.rotor.rotor import CONTACT, END, STABILISED, TIME_STEP, Parameters, build
 from saltus.io import Trajectory
@@ -189,26 +189,51 @@ def draw_orbit(runs: Mapping[str, Run]) -> Figure:
         picture, axes = plt.subplots(1, 2, figsize=(9, 5), layout="constrained", sharex=True, sharey=True)
         picture.suptitle(f"Rotor: frustum in the bearing until {END} s, Δt = {TIME_STEP:g} s")
         for ax, scheme in zip(axes, (START, MOREAU), strict=True):
-            draw_way(ax, runs[scheme])
+            draw_way(ax, runs[scheme].trajectory)
             ax.set_title(SHORT[scheme], loc="left")
         axes[0].set_ylabel("vertical [µm]")
     return picture
 
 
-def draw_way(ax: Axes, r: Run) -> None:
+def draw_way(ax: Axes, trajectory: Trajectory) -> None:
     """One orbit, darker as time goes on."""
-    way, angle = 1e6 * orbit(r.trajectory), np.linspace(0, 2 * np.pi, 200)
+    way, angle = 1e6 * orbit(trajectory), np.linspace(0, 2 * np.pi, 200)
     ax.plot(
         1e6 * P.clearance * np.cos(angle), 1e6 * P.clearance * np.sin(angle), color="black", linewidth=0.8
     )
-    points = ax.scatter(way[:, 0], way[:, 1], c=1e3 * r.trajectory.t, s=1.5, cmap="viridis_r")
-    if r.scheme != MOREAU:
-        hits = way[r.trajectory.impulsive]
+    points = ax.scatter(way[:, 0], way[:, 1], c=1e3 * trajectory.t, s=1.5, cmap="viridis_r")
+    if trajectory.impulsive.mean() < 0.5:
+        hits = way[trajectory.impulsive]
         ax.plot(*hits.T, "o", color="C3", markersize=4, fillstyle="none", label="impact")
         ax.legend(loc="upper right")
     ax.figure.colorbar(points, ax=ax, location="bottom", label="time [ms]", shrink=0.8)
     ax.set_aspect("equal")
     ax.set_xlabel("horizontal [µm]")
+
+
+def draw_run(trajectory: Trajectory) -> Figure:
+    """One run alone: orbit, gap, contact force and impulses."""
+    with sheet(1, 2, (10, 5)) as (picture, (ring, beside)):
+        draw_way(ring, trajectory)
+        beside.remove()
+        column = picture.add_gridspec(3, 2)
+        axes = [picture.add_subplot(column[k, 1]) for k in range(3)]
+        draw_contact(axes, trajectory)
+        axes[2].set_xlim(axes[0].get_xlim())
+        axes[2].set_xlabel("time t [ms]")
+    return picture
+
+
+def draw_contact(axes: Sequence[Axes], trajectory: Trajectory) -> None:
+    """Gap, contact force and impulses over the time."""
+    contact, t = trajectory[CONTACT], 1e3 * trajectory.t
+    axes[0].plot(t, 1e6 * contact.gap[:, 0], linewidth=0.8)
+    axes[0].set_ylabel("$g$ [µm]")
+    axes[1].plot(t, contact.force[:, 0], linewidth=0.8)
+    axes[1].set_ylabel(r"$\lambda_N$ [N]")
+    hits = trajectory.impulsive
+    axes[2].vlines(t[hits], 0, 1e3 * contact.impulse[hits, 0], color="C3")
+    axes[2].set_ylabel(r"$\Lambda_N$ [mN s]")
 
 
 def draw_forces(runs: Mapping[str, Run]) -> Figure:
@@ -224,16 +249,9 @@ def draw_forces(runs: Mapping[str, Run]) -> Figure:
         axes,
     ):
         half, moreau = runs[START].trajectory, runs[MOREAU].trajectory
-        contact, t = half[CONTACT], 1e3 * half.t
-        axes[0].plot(t, 1e6 * contact.gap[:, 0], linewidth=0.8)
-        axes[0].set_ylabel("$g$ [µm]")
-        axes[1].plot(t, contact.force[:, 0], linewidth=0.8)
-        axes[1].set_ylabel(r"$\lambda_N$ [N]")
-        hits = half.impulsive
-        axes[2].vlines(t[hits], 0, 1e3 * contact.impulse[hits, 0], color="C3")
-        axes[2].set_ylabel(r"$\Lambda_N$ [mN s]")
+        draw_contact(axes, half)
         axes[3].plot(1e3 * moreau.t, moreau[CONTACT].impulse[:, 0] / TIME_STEP, color="C1", linewidth=0.8)
         axes[3].set_ylabel(r"$P_N/\Delta t$ [N]")
-        axes[3].set_ylim(0, 1.2 * contact.force[:, 0].max())
+        axes[3].set_ylim(0, 1.2 * half[CONTACT].force[:, 0].max())
         axes[3].set_xlabel("time t [ms]")
     return picture

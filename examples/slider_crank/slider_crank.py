@@ -52,10 +52,18 @@ from saltus._core import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
     from saltus.scene import Place
     from saltus.typing import FloatArray
 
 Guidance = Literal["frictional", "frictionless", "c=0", "equality"]
+
+CAPTION = (
+    "Crank, rod and slider in the first turn, and the gaps of the slider's corners: left and right ones hit "
+    "the walls together, bounce and slide. Forces λ act only while a corner stays closed, impulses Λ only "
+    "at impacts, the grey lines."
+)
 
 
 class SliderCrank(sk.LagrangianDS):
@@ -217,6 +225,25 @@ def corner_place(xi: float, eta: float, size: int, p: SliderCrankParameters) -> 
         return ((x, y), normal, tangent)[: 1 + size]
 
     return place
+
+
+def run() -> Trajectory:
+    """The first 0.1 s with friction."""
+    return sk.TimeStepping(build(), "HalfExplicitTrapezoidalOSI", time_step=5e-5).run(0.1)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the mechanism, gaps, forces and impulses."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    turn = (shown.q[:, 0] < 2 * pi).nonzero()[0][-1]
+    with sheet(2, 2, (11, 7)) as (figure, (mechanism, gaps, forces, impulses)):
+        plot.shapes(mechanism, shown, [int(part * turn) for part in (0.08, 0.24, 0.39, 0.55)])
+        for ax, panel in ((gaps, plot.gaps), (forces, plot.forces), (impulses, plot.impulses)):
+            panel(ax, shown)
+            ax.set_xlabel("time t [s]")
+    return figure
 
 
 def main() -> None:

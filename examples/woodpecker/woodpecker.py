@@ -42,9 +42,14 @@ alternate about those of the cycle: that is the slope.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import saltus.kernel as sk
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from saltus.io import Trajectory
 
 GRAVITY = 9.81  # γ [m/s²]
 MASS_SLEEVE, MASS_BIRD = 3.0e-4, 4.5e-3  # m_M, m_S [kg]
@@ -72,6 +77,12 @@ M = np.array(
 )
 K = SPRING * np.array([[0.0, 0.0, 0.0], [0.0, 1.0, -1.0], [0.0, -1.0, 1.0]])
 WEIGHT = -GRAVITY * M[0]  # f: gravity acts like an acceleration of the sleeve upwards
+
+CAPTION = (
+    "The toy pecks its way down the pole: sleeve and bird at instants of one period, the height of the "
+    "sleeve, which falls by 19.4 mm a period and sticks in between, and the swing of the bird; grey lines "
+    "are impacts of the beak and of the sleeve."
+)
 
 
 @dataclass(frozen=True)
@@ -127,6 +138,32 @@ def build(rate: float = 17.574666) -> sk.NonSmoothDynamicalSystem:
         law = sk.NewtonImpactFrictionNSL(contact.restitution, 0.0, MU, 2)
         system.link(sk.Interaction(relation, law, name=name), toy)
     return system
+
+
+def run() -> Trajectory:
+    """Five periods of the limit cycle."""
+    return sk.TimeStepping(build(), SCHEME, TIME_STEP, record_every=10).run(0.73)
+
+
+def picture(shown: Trajectory) -> Figure:
+    """Draw the toy in one period, its way down and its swing."""
+    from saltus import plot
+    from saltus.examples.figure import sheet
+
+    with sheet(1, 3, (10, 4.2), width_ratios=[1, 1.6, 1.6]) as (figure, (toy, way, swing)):
+        plot.shapes(toy, shown, [int(row) for row in np.searchsorted(shown.t, (0.0, 0.04, 0.08, 0.12))])
+        for side in (-POLE, POLE):
+            toy.axvline(side, color="black", linewidth=0.8)
+        way.plot(shown.t, 1e3 * shown.q[:, 0])
+        way.set_ylabel("height of the sleeve y [mm]")
+        swing.plot(shown.t, shown.q[:, 2], label="bird φ_S")
+        swing.plot(shown.t, shown.q[:, 1], label="sleeve φ_M")
+        swing.set_ylabel("angle [rad]")
+        plot.legend_strip(swing)
+        for ax in (way, swing):
+            plot.mark_impacts(ax, shown)
+            ax.set_xlabel("time t [s]")
+    return figure
 
 
 def main() -> None:

@@ -50,7 +50,7 @@ class Relation {
   virtual void gap_at(double, const In& q, Out g) const { gap(q, g); }
   virtual void jacobian_at(double, const In& q, OutMatrix J) const { jacobian(q, J); }
   virtual void curvature_at(double, const In& q, const In& v, Out c) const { curvature(q, v, c); }
-  /// w(t, q), in normal rows ∂g/∂t. @param[out] w (size) [m/s]; starts as zero
+  /// w(t, q) (size) [m/s], in normal rows ∂g/∂t; starts as zero.
   virtual void motion_at(double, const In&, Out) const {}
 
  private:

@@ -140,7 +140,7 @@ class LCP(Problem):
 class MLCP(Problem):
     """Mixed problem: w = M z + q; w = 0 and z free in some rows, 0 <= w, 0 <= z, wᵀz = 0 in the others.
 
-    The residual is that of `LCP`, with |w| in the rows of equalities.
+    The residual is that of an `LCP`, with ``|w|`` in the rows of equalities.
 
     Parameters
     ----------
