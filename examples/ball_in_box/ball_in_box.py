@@ -45,6 +45,8 @@ import saltus.kernel as sk
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from saltus.io import Trajectory
+    from saltus.scene import Place
+    from saltus.typing import FloatArray
 
 Gravity = Literal["oblique", "down"]
 DIRECTIONS: dict[Gravity, tuple[float, float]] = {
@@ -57,6 +59,10 @@ CAPTION = (
     "The ball falls obliquely in its box, bounces off the left wall and off the bottom, each time less, and "
     "lies still in the corner. Each gap closes at its own times: the two directions do not know of each "
     "other."
+)
+WATCH = (
+    "The ball falls obliquely, bounces off the left side and the bottom, and comes to rest in the corner, "
+    "where both sides go on pressing: the green arrows."
 )
 
 
@@ -92,7 +98,6 @@ def build(gravity: Gravity = "oblique") -> sk.NonSmoothDynamicalSystem:
     weight = [p.m * p.gravity * d for d in DIRECTIONS[gravity]]
     ball = sk.LagrangianLinearTIDS([p.x0, p.y0], [0.0, 0.0], p.m * np.eye(2), external_force=weight)
     ball.add_shape(sk.Disc(p.R), pose=lambda q: (q[0], q[1], 0.0))
-    ball.add_shape(sk.Box(p.a, p.b), pose=lambda q: (p.a / 2, p.b / 2, 0.0))
     system = sk.NonSmoothDynamicalSystem([ball], parameters={**asdict(p), "direction of gravity": gravity})
     for name, normal, offset in [
         ("left", [1.0, 0.0], -p.R),
@@ -101,8 +106,16 @@ def build(gravity: Gravity = "oblique") -> sk.NonSmoothDynamicalSystem:
         ("top", [0.0, -1.0], p.b - p.R),
     ]:
         side = sk.LagrangianLinearTIR([normal], [offset])
-        system.link(sk.Interaction(side, sk.NewtonImpactNSL(p.restitution), name=name), ball)
+        contact = sk.Interaction(side, sk.NewtonImpactNSL(p.restitution), name=name)
+        contact.show_at(rim(np.array(normal), p.R))
+        system.link(contact, ball)
+    system.add_shape(sk.Box(p.a, p.b), pose=(p.a / 2, p.b / 2, 0.0))
     return system
+
+
+def rim(normal: FloatArray, radius: float) -> Place:
+    """The point of the ball that is nearest to a side with this normal."""
+    return lambda q: (q - radius * normal, normal)
 
 
 def run() -> Trajectory:

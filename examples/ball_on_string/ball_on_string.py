@@ -63,6 +63,11 @@ CAPTION = (
     "until the string is taut again with a jerk, at the exact place, the cross. Below, the force of the "
     "string, which falls to zero where it goes slack."
 )
+WATCH = (
+    "Green is the force of the taut string. On the way up it falls to zero: the string is slack, and the "
+    "ball flies freely inside of its reach, the grey circle, until the string is taut with a jerk, the "
+    "red arrow."
+)
 
 
 class Reach(sk.LagrangianScleronomousR):
@@ -105,7 +110,12 @@ def build(link: str = "string") -> sk.NonSmoothDynamicalSystem:
     ball.add_shape(sk.Disc(0.03), pose=lambda q: (q[0], q[1], 0.0))
     system = sk.NonSmoothDynamicalSystem([ball], parameters={"link": link})
     law = sk.NewtonImpactNSL(0.0) if link == "string" else sk.EqualityConditionNSL(1)
-    system.link(sk.Interaction(Reach(), law, name=link), ball)
+    system.add_shape(sk.Disc(0.01))
+    angles = 2 * pi * np.arange(65) / 64
+    system.add_shape(sk.Polyline(tuple((LENGTH * sin(a), LENGTH * cos(a)) for a in angles)))  # its reach
+    contact = sk.Interaction(Reach(), law, name=link)
+    contact.show_at(lambda q: (q, -q / np.hypot(q[0], q[1])))
+    system.link(contact, ball)
     return system
 
 

@@ -32,6 +32,10 @@ CAPTION = (
     "impacts are over, the dashed line. Impulses at the impacts and the force that carries the ball "
     "afterwards are told apart."
 )
+WATCH = (
+    "Each bounce is a red impulse, smaller than the one before. After the last of them the green force of "
+    "the floor carries the ball."
+)
 
 
 def build(restitution: float = RESTITUTION) -> sk.NonSmoothDynamicalSystem:
@@ -39,9 +43,10 @@ def build(restitution: float = RESTITUTION) -> sk.NonSmoothDynamicalSystem:
     ball = sk.LagrangianLinearTIDS(q0=[HEIGHT], v0=[0.0], mass=[[MASS]], external_force=[-MASS * GRAVITY])
     ball.add_shape(sk.Disc(0.05), pose=lambda q: (0.0, q[0] + 0.05, 0.0))
     system = sk.NonSmoothDynamicalSystem([ball])
-    system.link(
-        sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), sk.NewtonImpactNSL(restitution), name="floor"), ball
-    )
+    floor = sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), sk.NewtonImpactNSL(restitution), name="floor")
+    floor.show_at(lambda q: ((0.0, q[0]), (0.0, 1.0)))
+    system.link(floor, ball)
+    system.add_shape(sk.Polyline(((-0.5, 0.0), (0.5, 0.0))))
     return system
 
 

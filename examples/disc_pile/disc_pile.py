@@ -61,6 +61,11 @@ CAPTION = (
     "Sixteen discs of different size fall into a container, roll over each other and come to rest; the "
     "spokes show how they have turned. In the end floor and walls carry exactly their weight."
 )
+WATCH = (
+    "Discs fall, roll over each other and come to rest; spokes show how they turn. Contacts that slide "
+    "are orange, those that stick blue; in the end nothing slides any more, and the green forces carry "
+    "the pile."
+)
 
 
 def disc(x: float, y: float, radius: float) -> sk.LagrangianLinearTIDS:
@@ -103,7 +108,9 @@ def three_discs(apart: float = 1e-3, mu: float = MU) -> sk.NonSmoothDynamicalSys
     half = RADIUS + apart / 2
     top = RADIUS + 2 * RADIUS * cos(angle(apart))
     places = np.array([[-half, RADIUS], [half, RADIUS], [0.0, top]])
-    return compose(places, np.full(3, RADIUS), {"floor": (np.zeros(2), np.array([0.0, 1.0]))}, mu)
+    system = compose(places, np.full(3, RADIUS), {"floor": (np.zeros(2), np.array([0.0, 1.0]))}, mu)
+    system.add_shape(sk.Polyline(((-WIDTH / 2, 0.0), (WIDTH / 2, 0.0))))
+    return system
 
 
 def angle(apart: float) -> float:
@@ -133,7 +140,10 @@ def build(rows: int = 4, mu: float = MU) -> sk.NonSmoothDynamicalSystem:
         "left": (np.array([-WIDTH / 2, 0.0]), np.array([1.0, 0.0])),
         "right": (np.array([WIDTH / 2, 0.0]), np.array([-1.0, 0.0])),
     }
-    return compose(places, radii, lines, mu)
+    system = compose(places, radii, lines, mu)
+    side = WIDTH / 2
+    system.add_shape(sk.Polyline(((-side, 2 * side), (-side, 0.0), (side, 0.0), (side, 2 * side))))
+    return system
 
 
 def carried(run: Trajectory) -> tuple[float, float]:

@@ -50,6 +50,7 @@ import saltus.kernel as sk
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from saltus.io import Trajectory
+    from saltus.typing import FloatArray
 
 GRAVITY = 9.81  # γ [m/s²]
 MASS = 2.0  # [kg]
@@ -59,6 +60,7 @@ STIFFNESS = 200.0  # of the oscillator [N/m]
 OFFSET = MU * MASS * GRAVITY / STIFFNESS  # d [m]
 START = 7.5 * OFFSET  # x_0 [m]: the oscillator turns three times and stays at −d/2
 RADIUS = 0.1  # of the ball [m]
+BLOCK = sk.Box(0.1, 0.06)  # how a block is drawn
 TIME_STEP = 1e-3  # [s]
 SCHEME = "HalfExplicitTrapezoidalOSI"
 
@@ -67,6 +69,10 @@ CAPTION = (
     "friction can hold it. Amplitudes fall along a line. The friction force turns with the motion; at rest "
     "it is what the spring asks for."
 )
+WATCH = (
+    "The block on a spring slides to and fro. Its friction, part of the green arrow, leans against the "
+    "motion; in the end the contact sticks away from the middle, where friction holds against the spring."
+)
 
 
 def on_plane(body: sk.LagrangianLinearTIDS, tangent: list[float], mu: float) -> sk.NonSmoothDynamicalSystem:
@@ -74,8 +80,10 @@ def on_plane(body: sk.LagrangianLinearTIDS, tangent: list[float], mu: float) -> 
     system = sk.NonSmoothDynamicalSystem([body], parameters={"mu": mu})
     normal = [0.0, 1.0, 0.0][: len(tangent)]
     plane = sk.LagrangianLinearTIR([normal, tangent], [0.0, 0.0])
-    law = sk.NewtonImpactFrictionNSL(0.0, 0.0, mu, 2)
-    system.link(sk.Interaction(plane, law, name="plane"), body)
+    contact = sk.Interaction(plane, sk.NewtonImpactFrictionNSL(0.0, 0.0, mu, 2), name="plane")
+    contact.show_at(lambda q: ((q[0], q[1]), (0.0, 1.0), (1.0, 0.0)))
+    system.link(contact, body)
+    system.add_shape(sk.Polyline(((-1.0, 0.0), (1.0, 0.0))))
     return system
 
 
@@ -85,7 +93,13 @@ def block(slope: float, mu: float = MU) -> sk.NonSmoothDynamicalSystem:
     body = sk.LagrangianLinearTIDS(
         [0.0, 0.0], [SPEED, 0.0], [[MASS, 0.0], [0.0, MASS]], external_force=weight
     )
+    body.add_shape(BLOCK, pose=on_its_foot)
     return on_plane(body, [1.0, 0.0], mu)
+
+
+def on_its_foot(q: FloatArray) -> tuple[float, float, float]:
+    """Where a block is drawn."""
+    return q[0], q[1] + BLOCK.height / 2, 0.0
 
 
 def block_at_rest(slope: float, mu: float = MU) -> tuple[float, float]:
@@ -105,6 +119,7 @@ def oscillator() -> sk.NonSmoothDynamicalSystem:
         [[STIFFNESS, 0.0], [0.0, 0.0]],
         external_force=[0.0, -MASS * GRAVITY],
     )
+    body.add_shape(BLOCK, pose=on_its_foot)
     return on_plane(body, [1.0, 0.0], MU)
 
 
@@ -128,6 +143,7 @@ def ball() -> sk.NonSmoothDynamicalSystem:
         [[MASS, 0.0, 0.0], [0.0, MASS, 0.0], [0.0, 0.0, inertia]],
         external_force=[0.0, -MASS * GRAVITY, 0.0],
     )
+    body.add_shape(sk.Disc(RADIUS), pose=lambda q: (q[0], q[1] + RADIUS, q[2]))
     return on_plane(body, [1.0, 0.0, RADIUS], MU)
 
 

@@ -67,10 +67,18 @@ END = 1.5e-3  #: [s]
 DAMPING = 1e3 / 2.1e11  #: δ of the damped bar [s]
 CONTACT = "obstacle"  #: name of the contact
 
+EXAGGERATION = 500  # of what pictures show of the displacements
+SECTIONS = 26  # that they show at most
+
 CAPTION = (
     "Velocity of every section of the bar over the time: the front of the wave runs from the obstacle to "
     "the free end and back, then the bar flies off. Meanwhile the obstacle presses with the force of the "
     "continuous bar, the dashed line, about which the mesh of 50 elements rings."
+)
+WATCH = (
+    "Sections of the bar, displacements 500 times as large: the first one meets the obstacle, a wave of "
+    "compression runs through the bar and back, and when it is there again the bar leaves. The force acts "
+    "all of that time."
 )
 
 
@@ -152,8 +160,19 @@ def build(
         [bar], parameters={**asdict(p), "elements": elements, "damping": damping}
     )
     first_node = sk.LagrangianLinearTIR(np.eye(1, nodes), [p.gap])
-    system.link(sk.Interaction(first_node, sk.NewtonImpactNSL(0.0), name=CONTACT), bar)
+    contact = sk.Interaction(first_node, sk.NewtonImpactNSL(0.0), name=CONTACT)
+    contact.show_at(lambda q: ((EXAGGERATION * q[0], 0.0), (1.0, 0.0)))
+    system.link(contact, bar)
+    for node in np.unique(np.linspace(0, elements, SECTIONS).round().astype(int)):
+        bar.add_shape(sk.Polyline(((0.0, -0.05 * p.L), (0.0, 0.05 * p.L))), pose=section(node, node * l))
+    obstacle = -EXAGGERATION * p.gap
+    system.add_shape(sk.Polyline(((obstacle, -0.08 * p.L), (obstacle, 0.08 * p.L))))
     return system
+
+
+def section(node: int, place: float) -> sk.Pose:
+    """Where the section at a node is drawn."""
+    return lambda q: (place + EXAGGERATION * q[node], 0.0, 0.0)
 
 
 def run() -> Trajectory:

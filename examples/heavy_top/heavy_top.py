@@ -61,6 +61,10 @@ CAPTION = (
     "inclinations, the dashed circles, which are exact. At the inner one it stands still for an instant, as "
     "at the start."
 )
+WATCH = (
+    "The top spins, nods between two inclinations and goes round; its joint carries the weight, the green "
+    "arrow."
+)
 
 
 @dataclass(frozen=True)
@@ -81,8 +85,10 @@ def build(precession: float = 0.0) -> sk.NonSmoothDynamicalSystem:
         [ACROSS, ACROSS, ALONG],
         force=[0.0, 0.0, -MASS * GRAVITY],
     )
-    top.add_shape(sk.Disc(0.02), pose=lambda q: (q[0], q[1], 0.0))  # seen from above
+    top.add_shape(sk.Cylinder(0.03, 0.012))
+    top.add_shape(sk.Polyline(((0.0, 0.0, -LENGTH), (0.0, 0.0, 0.4 * LENGTH))))
     system = sk.NonSmoothDynamicalSystem([top], parameters={"precession": precession})
+    system.add_shape(sk.Box(0.1, 0.1))
     joint = sk.Joint.ball(top, at=[0.0, 0.0, 0.0])
     system.link(sk.Interaction(joint, sk.EqualityConditionNSL(joint.size), name="pivot"), top)
     return system

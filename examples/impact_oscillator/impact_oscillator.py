@@ -52,6 +52,10 @@ CAPTION = (
     "where the motion runs along one closed curve. The dashed one is the formula; at the stop the velocity "
     "jumps."
 )
+WATCH = (
+    "Driven by a force, the mass hits the stop once in every period, always equally hard: red arrows of "
+    "one length."
+)
 
 
 @dataclass(frozen=True)
@@ -109,7 +113,11 @@ def build(drive: Drive | None = None) -> sk.NonSmoothDynamicalSystem:
     )
     along = sk.LagrangianLinearTIR([[1.0]])
     system.add_force(sk.ForceElement(along, sk.Actuator(lambda t, length, rate: d.at(t)), "drive"), mass)
-    system.link(sk.Interaction(along, sk.NewtonImpactNSL(d.restitution), name="stop"), mass)
+    stop = sk.Interaction(along, sk.NewtonImpactNSL(d.restitution), name="stop")
+    stop.show_at(lambda q: ((q[0], 0.0), (1.0, 0.0)))
+    system.link(stop, mass)
+    mass.add_shape(sk.Box(0.02, 0.02), pose=lambda q: (q[0] + 0.01, 0.0, 0.0))
+    system.add_shape(sk.Polyline(((0.0, -0.02), (0.0, 0.02))))
     return system
 
 

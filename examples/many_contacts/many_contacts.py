@@ -23,6 +23,7 @@ import saltus.kernel as sk
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from saltus.io import Trajectory
+    from saltus.scene import Place
 
 GRAVITY = 9.81  # [m/s²]
 RADIUS = 0.1  # [m]
@@ -35,6 +36,10 @@ CAPTION = (
     "other, the thicker the larger the force: as the floor brakes the lowest row, the weight is carried "
     "down to the right."
 )
+WATCH = (
+    "A pyramid of 78 discs slides to the right. The floor brakes the lowest row; forces run down through "
+    "the pile to the right. Moreau-Jean gives all of them as impulses, red."
+)
 
 
 def column(n: int) -> sk.NonSmoothDynamicalSystem:
@@ -44,29 +49,38 @@ def column(n: int) -> sk.NonSmoothDynamicalSystem:
         for k in range(n)
     ]
     system = sk.NonSmoothDynamicalSystem(balls)
-    law, ground, between = sk.NewtonImpactNSL(0.0), [[1.0]], [[-1.0, 1.0]]
+    law, ground, pair = sk.NewtonImpactNSL(0.0), [[1.0]], [[-1.0, 1.0]]
     system.link(sk.Interaction(sk.LagrangianLinearTIR(ground), law, name="ball 0"), balls[0])
     for k in range(1, n):
-        contact = sk.Interaction(sk.LagrangianLinearTIR(between), law, name=f"ball {k}")
+        contact = sk.Interaction(sk.LagrangianLinearTIR(pair), law, name=f"ball {k}")
         system.link(contact, balls[k - 1], balls[k])
     return system
 
 
 def disc(x: float, y: float, speed: float) -> sk.LagrangianLinearTIDS:
     """A disc that moves horizontally, q = (x, y, angle)."""
-    return sk.LagrangianLinearTIDS(
+    body = sk.LagrangianLinearTIDS(
         [x, y, 0.0],
         [speed, 0.0, 0.0],
         np.diag([MASS, MASS, INERTIA]),
         external_force=[0.0, -MASS * GRAVITY, 0.0],
     )
+    body.add_shape(sk.Disc(RADIUS), pose=lambda q: (q[0], q[1], q[2]))
+    return body
 
 
 def floor_contact(law: sk.NonSmoothLaw, name: str) -> sk.Interaction:
     """Between a disc and the floor: gap y − R, tangential velocity ẋ + R φ̇ of the lowest point."""
-    return sk.Interaction(
+    contact = sk.Interaction(
         sk.LagrangianLinearTIR([[0.0, 1.0, 0.0], [1.0, 0.0, RADIUS]], [-RADIUS, 0.0]), law, name=name
     )
+    contact.show_at(lambda q: ((q[0], q[1] - RADIUS), (0.0, 1.0), (1.0, 0.0)))
+    return contact
+
+
+def between(nx: float, ny: float) -> Place:
+    """The middle between two discs, and the directions of their contact."""
+    return lambda q: (((q[0] + q[3]) / 2, (q[1] + q[4]) / 2), (nx, ny), (-ny, nx))
 
 
 def pyramid(rows: int, speed: float = 0.5, mu: float = 0.3) -> sk.NonSmoothDynamicalSystem:
@@ -83,11 +97,13 @@ def pyramid(rows: int, speed: float = 0.5, mu: float = 0.3) -> sk.NonSmoothDynam
     law = sk.NewtonImpactFrictionNSL(0.0, 0.0, mu, 2)
     for k in range(rows):
         system.link(floor_contact(law, f"floor {k}"), discs[k])
+    system.add_shape(sk.Polyline(((-2 * RADIUS, 0.0), (2 * RADIUS * (rows + 1), 0.0))))
     for i, j in sk.neighbours(centres, np.full(len(discs), RADIUS), within=0.01 * RADIUS):
         nx, ny = (centres[i] - centres[j]) / np.linalg.norm(centres[i] - centres[j])
         normal, tangent = (nx, ny, 0.0), (-ny, nx, -RADIUS)
         H = [[*normal, *(-nx, -ny, 0.0)], [*tangent, *(ny, -nx, -RADIUS)]]
         contact = sk.Interaction(sk.LagrangianLinearTIR(H, [-2 * RADIUS, 0.0]), law, name=f"{i} on {j}")
+        contact.show_at(between(nx, ny))
         system.link(contact, discs[i], discs[j])
     return system
 

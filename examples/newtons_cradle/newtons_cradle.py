@@ -57,6 +57,7 @@ import saltus.kernel as sk
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from saltus.io import Trajectory
+    from saltus.scene import Place
 
 GRAVITY = 9.81  # [m/s²]
 MASS = 0.05  # [kg], of a ball
@@ -72,6 +73,10 @@ CAPTION = (
     "Five balls with gaps of 0.1 mm. The first one falls onto the others, and the last one leaves; half a "
     "period later it comes back. Lines are the ways of the balls, each from its own place; the others stay "
     "nearly at rest."
+)
+WATCH = (
+    "The first ball falls onto the others, and in a cascade of impacts from left to right the last one "
+    "takes all of its velocity."
 )
 
 
@@ -95,21 +100,34 @@ def build(balls: int = 5, gap: float = 1e-4, restitution: float = 1.0) -> sk.Non
     for k in range(balls):
         start = -AMPLITUDE if k == 0 else 0.0
         ball = sk.LagrangianLinearTIDS([start], [0.0], [[MASS]], [[MASS * OMEGA**2]])
-        ball.add_shape(sk.Disc(RADIUS), pose=pose_at(k * (2 * RADIUS + gap)))
+        place = k * (2 * RADIUS + gap)
+        ball.add_shape(sk.Disc(RADIUS), pose=pose_at(place))
+        ball.add_shape(sk.Polyline(((0.0, 0.0), (0.0, LENGTH))), pose=string_at(place))
         hanging.append(ball)
     system = sk.NonSmoothDynamicalSystem(
         hanging, parameters={"balls": balls, "gap": gap, "restitution": restitution}
     )
     law = sk.NewtonImpactNSL(restitution)
     for k in range(1, balls):
-        distance = sk.LagrangianLinearTIR([[-1.0, 1.0]], [gap])
-        system.link(sk.Interaction(distance, law, name=str(k)), hanging[k - 1], hanging[k])
+        contact = sk.Interaction(sk.LagrangianLinearTIR([[-1.0, 1.0]], [gap]), law, name=str(k))
+        contact.show_at(touching(RADIUS + (k - 1) * (2 * RADIUS + gap)))
+        system.link(contact, hanging[k - 1], hanging[k])
     return system
 
 
 def pose_at(place: float) -> sk.Pose:
     """Where a ball is drawn that hangs at this place [m]."""
     return lambda q: (place + q[0], 0.0, 0.0)
+
+
+def string_at(place: float) -> sk.Pose:
+    """Its string, for a small angle."""
+    return lambda q: (place + q[0], 0.0, q[0] / LENGTH)
+
+
+def touching(place: float) -> Place:
+    """The right end of a ball; λ pushes it to the left."""
+    return lambda q: ((place + q[0], 0.0), (-1.0, 0.0))
 
 
 def together(balls: int, restitution: float) -> list[float]:

@@ -73,6 +73,10 @@ CAPTION = (
     "The block rocks from corner to corner, less and less, and stands still after finite time, the dashed "
     "line. Crosses are the exact turns."
 )
+WATCH = (
+    "The block rocks from corner to corner. At each change one corner hits, red, while the other leaves; "
+    "then the corner sticks and carries the block, until both do."
+)
 
 
 @dataclass(frozen=True)
@@ -154,6 +158,7 @@ def build(
     )
     body.add_shape(sk.Box(2 * block.b, 2 * block.h), pose=lambda q: (q[0], q[1], q[2]))
     system = sk.NonSmoothDynamicalSystem([body], parameters={"tilt": tilt, "rate": rate, "mu": mu})
+    system.add_shape(sk.Polyline(((-4 * block.b, 0.0), (4 * block.b, 0.0))))
     law = sk.NewtonImpactFrictionNSL(0.0, 0.0, mu, 2)
     for name, side in (("left", -1), ("right", 1)):
         corner = sk.SpherePlane(

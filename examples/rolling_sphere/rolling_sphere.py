@@ -70,6 +70,10 @@ CAPTION = (
     "friction bends its way to a parabola; from the cross on, which is exact, it rolls along a line. Below, "
     "its velocity."
 )
+WATCH = (
+    "The sphere starts with backspin and english: its contact slides along a curve, orange, and then "
+    "rolls, blue, where the force of friction vanishes. Three circles on it show how it turns."
+)
 
 
 def build(
@@ -95,8 +99,9 @@ def build(
         3 * [0.4 * MASS * RADIUS**2],
         force=[0.0, 0.0, -MASS * GRAVITY],
     )
-    sphere.add_shape(sk.Disc(RADIUS), pose=lambda q: (q[0], q[1], 0.0))  # seen from above
+    sphere.add_shape(sk.Sphere(RADIUS))
     system = sk.NonSmoothDynamicalSystem([sphere], parameters={"restitution": restitution, "mu": mu})
+    system.add_shape(sk.Box(1.0, 0.6), pose=(0.4, 0.1, 0.0))
     plane = sk.SpherePlane(3, radius=RADIUS, point=[0.0, 0.0, 0.0], normal=[0.0, 0.0, 1.0])
     law = sk.NewtonImpactFrictionNSL(restitution, 0.0, mu, 3)
     system.link(sk.Interaction(plane, law, name="plane"), sphere)

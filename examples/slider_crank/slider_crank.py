@@ -64,6 +64,11 @@ CAPTION = (
     "the walls together, bounce and slide. Forces λ act only while a corner stays closed, impulses Λ only "
     "at impacts, the grey lines."
 )
+WATCH = (
+    "Which corner hits, and what then? The first impacts are those of both upper corners, which bounce "
+    "ever less until they slide along the upper wall; later the lower ones do so. They never stick: "
+    "friction is too small."
+)
 
 
 class SliderCrank(sk.LagrangianDS):

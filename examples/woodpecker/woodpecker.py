@@ -50,6 +50,7 @@ import saltus.kernel as sk
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from saltus.io import Trajectory
+    from saltus.scene import Place
 
 GRAVITY = 9.81  # γ [m/s²]
 MASS_SLEEVE, MASS_BIRD = 3.0e-4, 4.5e-3  # m_M, m_S [kg]
@@ -82,6 +83,11 @@ CAPTION = (
     "The toy pecks its way down the pole: sleeve and bird at instants of one period, the height of the "
     "sleeve, which falls by 19.4 mm a period and sticks in between, and the swing of the bird; grey lines "
     "are impacts of the beak and of the sleeve."
+)
+WATCH = (
+    "The tilted sleeve jams: its lower edge sticks, blue. The bird swings back, the sleeve comes free, "
+    "slides down the pole and jams again at its upper edge; the beak hits the pole, and the play begins "
+    "anew."
 )
 
 
@@ -135,9 +141,21 @@ def build(rate: float = 17.574666) -> sk.NonSmoothDynamicalSystem:
     system = sk.NonSmoothDynamicalSystem([toy], parameters={"rate": rate})
     for name, contact in CONTACTS.items():
         relation = sk.LagrangianLinearTIR([contact.normal, contact.tangent], [contact.offset, 0.0])
-        law = sk.NewtonImpactFrictionNSL(contact.restitution, 0.0, MU, 2)
-        system.link(sk.Interaction(relation, law, name=name), toy)
+        interaction = sk.Interaction(
+            relation, sk.NewtonImpactFrictionNSL(contact.restitution, 0.0, MU, 2), name=name
+        )
+        interaction.show_at(on_the_pole(name))
+        system.link(interaction, toy)
+    for side in (-POLE, POLE):
+        system.add_shape(sk.Polyline(((side, -0.12), (side, 0.04))))
     return system
+
+
+def on_the_pole(name: str) -> Place:
+    """Where a contact touches the pole, which pushes to the right."""
+    height = {"beak": BEAK_HEIGHT, "lower": -HALF_SLEEVE, "upper": HALF_SLEEVE}[name]
+    tangent = np.array(CONTACTS[name].tangent) if name == "beak" else np.eye(3)[0]
+    return lambda q: ((POLE, height + float(tangent @ q)), (1.0, 0.0), (0.0, 1.0))
 
 
 def run() -> Trajectory:
@@ -152,8 +170,6 @@ def picture(shown: Trajectory) -> Figure:
 
     with sheet(1, 3, (10, 4.2), width_ratios=[1, 1.6, 1.6]) as (figure, (toy, way, swing)):
         plot.shapes(toy, shown, [int(row) for row in np.searchsorted(shown.t, (0.0, 0.04, 0.08, 0.12))])
-        for side in (-POLE, POLE):
-            toy.axvline(side, color="black", linewidth=0.8)
         way.plot(shown.t, 1e3 * shown.q[:, 0])
         way.set_ylabel("height of the sleeve y [mm]")
         swing.plot(shown.t, shown.q[:, 2], label="bird φ_S")

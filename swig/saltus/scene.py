@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from saltus.kernel import NonSmoothDynamicalSystem
     from saltus.typing import FloatArray
 
-Place = Callable[["FloatArray"], Sequence[Sequence[float]]]
+Place = Callable[["FloatArray"], "Sequence[Sequence[float] | FloatArray]"]
 """Positions q of the linked systems -> point [m] and unit vectors, each with 2 or 3 entries."""
 Fixture = Sequence[float] | Callable[[float], Sequence[float]]
 """A pose that does not depend on any system: numbers, or a function of the time [s]."""
@@ -136,7 +136,7 @@ def _placer(
     return told
 
 
-def _place_record(name: str, places: Sequence[Sequence[Sequence[float]]]) -> PlaceRecord:
+def _place_record(name: str, places: Sequence[Sequence[Sequence[float] | FloatArray]]) -> PlaceRecord:
     try:
         found = np.array(places, dtype=np.float32)
     except (TypeError, ValueError) as error:

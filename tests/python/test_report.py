@@ -11,8 +11,10 @@ import pytest
 import saltus.kernel as sk
 from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.examples.disc_pile import disc_pile
+from saltus.examples.gallery import examples
 from saltus.examples.heavy_top import heavy_top
 from saltus.examples.slider_crank import slider_crank
+from saltus.io import ContactState
 
 webdriver = pytest.importorskip("selenium.webdriver")
 LIMIT = 3_000_000  #: bytes of a page
@@ -309,3 +311,72 @@ def test_targets_that_cannot_be_written(tmp_path):
     with pytest.raises(OSError, match="cannot write"):
         run.report(tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+RUNS = {}
+
+
+def example_run(name):
+    if name not in RUNS:
+        RUNS[name] = examples()[name].run()
+    return RUNS[name]
+
+
+@pytest.mark.parametrize("name", sorted(examples()))
+def test_pages_of_the_examples(browser, tmp_path, name):
+    run, example = example_run(name), examples()[name]
+    path = run.report(tmp_path / f"{name}.html", title=name, caption=example.WATCH)
+    assert path.stat().st_size < LIMIT
+    page = Opened(browser, path)
+    assert page.errors() == []
+    assert page("document.getElementById('caption').textContent") == example.WATCH
+    assert page("window.saltusPage.run.shapes.length") > 0
+    first = page.picture()
+    page("window.saltusPage.move(0.37 * window.saltusPage.run.span[1])")
+    assert page.picture() != first
+    # every contact that acts is seen, but the welds of the rotor, whose page shows a section
+    shown = set(page("window.saltusPage.run.arrow_names"))
+    acting = {c for c in run.contacts if run[c].force.any() or run[c].impulse.any()}
+    assert acting - shown <= {"flywheel weld", "frustum weld"}
+
+
+def states(name, contact):
+    return example_run(name)[contact].states
+
+
+def test_what_the_captions_say():
+    last = {
+        name: {c: states(name, c)[-1] for c in example_run(name).contacts}
+        for name in ("ball_in_box", "disc_pile")
+    }
+    closed = {c for c, state in last["ball_in_box"].items() if state != ContactState.OPEN}
+    assert closed == {"left", "bottom"}
+    assert ContactState.SLIP not in last["disc_pile"].values()
+    assert ContactState.STICK in last["disc_pile"].values()
+    crank = example_run("slider_crank")
+    assert not any((states("slider_crank", c) == ContactState.STICK).any() for c in crank.contacts)
+    hit = np.flatnonzero(crank.impulsive)[0]
+    assert {c for c in crank.contacts if crank[c].states[hit] == ContactState.IMPACT} == {
+        "upper left",
+        "upper right",
+    }
+    block = {side: states("rocking_block", side) for side in ("left", "right")}
+    assert all((s == ContactState.STICK).any() and s[-1] == ContactState.STICK for s in block.values())
+    sphere = states("rolling_sphere", "plane")
+    assert sphere[1] == ContactState.SLIP
+    assert sphere[-1] == ContactState.STICK
+    friction = example_run("dry_friction")
+    assert friction["plane"].states[-1] == ContactState.STICK
+    assert abs(friction.q[-1, 0]) > 0.01
+    assert friction["plane"].force[-1, 1] * friction.q[-1, 0] > 0  # against the spring
+    assert (states("woodpecker", "lower") == ContactState.STICK).any()
+    assert (states("woodpecker", "upper") == ContactState.IMPACT).any()
+    assert (states("woodpecker", "beak") == ContactState.IMPACT).any()
+    bounces = example_run("bouncing_ball")["floor"].impulse[:, 0]
+    bounces = bounces[bounces > 0.1]  # shorter flights end at a row by chance
+    assert (np.diff(bounces) < 0).all()
+    stops = example_run("impact_oscillator")["stop"].impulse[:, 0]
+    assert np.ptp(stops[stops > 0]) < 0.02 * stops.max()
+    cradle = example_run("newtons_cradle")
+    first = [np.flatnonzero(cradle[c].impulse[:, 0])[0] for c in cradle.contacts]
+    assert first == sorted(first)

@@ -34,6 +34,6 @@ const paletteColour = (k) => PALETTE[k % PALETTE.length];
 function written(value, unit, digits = 4) {
   if (value === 0) return `0 ${unit}`;
   const size = Math.abs(value);
-  const text = size < 1e-3 || size >= 1e5 ? value.toExponential(digits - 2) : String(Number(value.toPrecision(digits)));
-  return `${text} ${unit}`;
+  const rounded = Number(value.toPrecision(digits));
+  return `${size < 1e-3 || size >= 1e5 ? rounded.toExponential() : rounded} ${unit}`;
 }

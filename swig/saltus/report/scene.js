@@ -32,11 +32,15 @@ class SceneView {
       const placed = place(shape, row, next, part);
       const seen = project(this.view, placed);
       const tone = shape.system < 0 ? colour("scenery") : paletteColour(shape.system);
-      if (shape.kind === "Sphere") pieces.push(sphere(this.view, placed, seen, shape, tone));
-      else if (this.run.spatial) pieces.push(...solid(seen, placed, shape, tone, this.view));
-      else flat(this.view.context, seen, shape, tone);
+      if (!this.run.spatial) {
+        flat(this.view.context, seen, shape, tone);
+        continue;
+      }
+      const solids = shape.kind === "Sphere" ? [sphere(this.view, placed, seen, shape, tone)] : solid(seen, placed, shape, tone, this.view);
+      for (const piece of solids) pieces.push({ ...piece, scenery: shape.system < 0 });
     }
-    pieces.sort((a, b) => a.depth - b.depth);
+    // scenery first: its large faces have no one depth
+    pieces.sort((a, b) => b.scenery - a.scenery || a.depth - b.depth);
     for (const piece of pieces) piece.draw(this.view.context);
   }
 
