@@ -7,6 +7,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import saltus.kernel as sk
+from saltus.examples.bouncing_ball import bouncing_ball
 from saltus.io import read_hdf5
 
 SALTUS = Path(sys.executable).parent / "saltus"
@@ -25,12 +27,13 @@ def test_demo(tmp_path):
     out = tmp_path / "out" / "demo"
     assert sorted(path.name for path in out.iterdir()) == [
         "slider_crank.h5",
+        "slider_crank.html",
         "slider_crank.png",
         "table3.json",
     ]
     trajectory = read_hdf5(out / "slider_crank.h5")
     assert len(trajectory) == 10001
-    assert len(trajectory.shapes) == 3
+    assert len(trajectory.shapes) == 5
     rows = json.loads((out / "table3.json").read_text())["rows"]
     assert [row["dt"] for row in rows] == 2 * [1e-3, 1e-4, 1e-5]
 
@@ -218,3 +221,24 @@ def test_stubs_agree_with_the_module():
     )
     assert [line for line in errors if not any(words in line for words in common)] == []
     assert errors or result.returncode == 0, result.stdout + result.stderr
+
+
+def test_report(tmp_path):
+    run = sk.TimeStepping(bouncing_ball.build(), "HalfExplicitTrapezoidalOSI", 1e-2).run(1.0)
+    run.to_hdf5(tmp_path / "ball.h5")
+    result = saltus("report", "ball.h5", "--caption", "It falls.", cwd=tmp_path)
+    assert (result.returncode, Path(result.stdout.strip()).name) == (0, "ball.html")
+    page = (tmp_path / "ball.html").read_text(encoding="utf-8")
+    assert "<title>ball</title>" in page
+    assert "It falls." in page
+    assert saltus("report", "ball.h5", "--out", "other.html", cwd=tmp_path).returncode == 0
+    (tmp_path / "text.h5").write_text("no run")
+    for arguments, said in [
+        (["none.h5"], "cannot read 'none.h5'"),
+        (["text.h5"], "expected an HDF5 file"),
+        (["ball.h5", "--out", "nowhere/page.html"], "cannot write"),
+    ]:
+        result = saltus("report", *arguments, cwd=tmp_path)
+        assert result.returncode == 2
+        assert said in result.stderr
+        assert "Traceback" not in result.stderr

@@ -55,7 +55,7 @@ def saltus(
 def demo(
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("out/demo"),
 ) -> None:
-    """Run the frictional slider crank: Table 3 of the paper, a trajectory and a picture."""
+    """Run the frictional slider crank: Table 3 of the paper, a trajectory, a picture and a page."""
     from saltus.cli.demo import run  # plotting takes a second to load: only where it is needed
 
     run(out)

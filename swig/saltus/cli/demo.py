@@ -1,4 +1,4 @@
-"""``saltus demo``: the frictional slider crank, its convergence and a picture of the run."""
+"""``saltus demo``: the frictional slider crank, its convergence, a picture and a page of the run."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rich.console import Console
 from saltus import plot
 from saltus.cli import reproduce
 from saltus.cli.out import require_writable, save, write_json
+from saltus.examples.slider_crank import slider_crank
 from saltus.examples.slider_crank.convergence import Row
 from saltus.io import Trajectory
 
@@ -25,7 +26,7 @@ SHORT = {
 
 
 def run(out: Path) -> None:
-    """Compute Table 3, then write trajectory, table and picture.
+    """Compute Table 3, then write trajectory, table, picture and page.
 
     Raises
     ------
@@ -37,11 +38,13 @@ def run(out: Path) -> None:
     reproduce.print_table("table3", rows)
     finest = min((row for row in rows if row.scheme == SCHEME), key=lambda row: row.dt)
     finest.trajectory.to_hdf5(out / "slider_crank.h5")
+    finest.trajectory.report(out / "slider_crank.html", title="Slider crank", caption=slider_crank.WATCH)
     write_json(reproduce.to_json(rows), out / "table3.json")
     save(picture(finest.trajectory, rows), out / "slider_crank.png")
     console = Console(soft_wrap=True)
     for name, what in [
         ("slider_crank.png", "picture"),
+        ("slider_crank.html", "the motion, to be watched in a browser"),
         ("slider_crank.h5", f"trajectory, {SHORT[SCHEME]}, Δt = {finest.dt:.0e} s"),
         ("table3.json", "the table above"),
     ]:
