@@ -50,15 +50,11 @@ class PaperFigure:
 def panels(titles: Sequence[str], heading: str, height: float = 2.4) -> Iterator[tuple[Figure, list[Axes]]]:
     """Panels over a common time axis, one below the other; what is drawn inside takes the house's style."""
     with plt.rc_context(plot.STYLE):
-        size = (8, 0.6 + height * len(titles))
-        picture, axes = plt.subplots(
-            len(titles), 1, figsize=size, sharex=True, squeeze=False, layout="constrained"
-        )
+        picture, axes = plot.grid(len(titles), height=height + 0.6 / len(titles))
         picture.suptitle(heading)
         column = list(axes[:, 0])
         for ax, title in zip(column, titles, strict=True):
             ax.set_title(title, loc="left")
-        column[-1].set_xlabel("time t [s]")
         yield picture, column
 
 

@@ -15,6 +15,7 @@ Matrix: TypeAlias = Union[FloatArray, "csr_array"]
 SparseMatrix: TypeAlias = Union["sparray", "spmatrix"]  # any format
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+AxesArray = NDArray[np.object_]  # of matplotlib's Axes
 StateArray = NDArray[np.int8]  # codes of saltus.io.ContactState
 
 # "library:function", what saltus.compiled returns, or a C pointer of ctypes, cffi or numba: saltus.functions

@@ -148,19 +148,21 @@ def test_a_run_is_recorded_and_read_back(tmp_path):
 
 def test_a_run_is_drawn():
     run = half_wave(Driven([0.5, 0.0], A)).run(0.5)
-    figure = run.plot()
-    states, outputs, multipliers = figure.axes
+    states, outputs, multipliers = run.plot()
     np.testing.assert_array_equal(states.lines[1].get_ydata(), run.x[:, 1])
     np.testing.assert_array_equal(outputs.lines[0].get_ydata(), run.y[:, 0])
     np.testing.assert_array_equal(multipliers.lines[0].get_ydata(), run.lambda_[:, 0])
     assert [text.get_text() for text in multipliers.get_legend().get_texts()] == ["diode[0]"]
-    plt.close(figure)
+    assert run.plot([outputs, multipliers, states])[2] is states
+    np.testing.assert_array_equal(states.lines[-1].get_ydata(), run.lambda_[:, 0])
+    with pytest.raises(ValueError, match="3 axes for the panels state, output, multiplier; got 1 of Axes"):
+        run.plot(states)
+    plt.close(states.figure)
     free = sk.FirstOrderTimeStepping(
         sk.FirstOrderSystem([sk.FirstOrderLinearTIDS([1.0], [[-1.0]])]), sk.EulerMoreauOSI(), 0.1
     )
-    figure = free.run(1.0).plot()
-    assert len(figure.axes) == 1
-    plt.close(figure)
+    (only,) = free.run(1.0).plot()
+    plt.close(only.figure)
 
 
 def test_a_run_can_be_continued_and_watched():

@@ -319,17 +319,3 @@ def test_shapes_follow_the_run(tmp_path):
     assert shape.kind == "Disc"
     np.testing.assert_allclose(shape.poses, [[0.0, 1.0, 0.0], [0.5, 1.0, 0.0], [1.0, 1.0, 0.0]])
     np.testing.assert_allclose(np.hypot(*shape.points[:-1].T), 0.1)
-
-
-def test_plot_shows_every_contact():
-    trajectory = sk.TimeStepping(ball(), "HalfExplicitTrapezoidalOSI", 1e-2).run(2.0)
-    figure = trajectory.plot()
-    assert [ax.get_ylabel().split("\n")[0] for ax in figure.axes] == [
-        "position q",
-        "gap g [mm]",
-        "force λ_N [N]",
-        "impulse Λ_N [N s]",
-        "total energy [J]",
-    ]
-    gap = figure.axes[1].lines[0].get_ydata()
-    np.testing.assert_allclose(gap, 1e3 * trajectory["floor"].gap[:, 0])

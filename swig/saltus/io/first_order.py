@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
@@ -20,9 +20,9 @@ from saltus.io.files import NewFile, unwritable
 from saltus.io.records import Loaded, Provenance, Rows
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
-    from saltus.typing import FloatArray, IntArray
+    from saltus.typing import AxesArray, FloatArray, IntArray
 
 FORMAT_VERSION = 1
 COLUMNS = ("t", "step", "x", "r", "y", "lambda", "iterations", "residual")
@@ -139,11 +139,27 @@ class FirstOrderTrajectory:
         """Of the motion and the laws, relative to the terms that cancel (rows,)."""
         return self._float("residual")
 
-    def plot(self) -> Figure:
-        """Draw states, outputs and multipliers over time."""
+    def plot(self, axes: Axes | Sequence[Axes] | AxesArray | None = None) -> AxesArray:
+        """Draw states, outputs and multipliers over time.
+
+        Parameters
+        ----------
+        axes : one for each of the three panels, or one of a run without interactions; without it a figure
+            is made
+
+        Returns
+        -------
+        (panels,) of Axes
+            Those drawn into, ``axes[0].figure`` is the figure.
+
+        Raises
+        ------
+        ValueError
+            If there are more or fewer axes than panels.
+        """
         from saltus.plot import plot_first_order
 
-        return plot_first_order(self)
+        return plot_first_order(self, axes)
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns; an existing file is replaced as a whole.

@@ -22,10 +22,10 @@ from saltus.io.records import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
     from saltus.scene import Appearance
-    from saltus.typing import BoolArray, FloatArray, IntArray
+    from saltus.typing import AxesArray, BoolArray, FloatArray, IntArray
 
 
 NOTHING = Scene()  #: that is seen
@@ -193,11 +193,68 @@ class Trajectory:
         """Are there forces λ besides impulses Λ? Under Moreau-Jean all that acts is Λ, also at rest."""
         return self._reactions().told_apart
 
-    def plot(self) -> Figure:
-        """Draw positions, gaps, forces, impulses and energy over time; impacts are marked."""
+    def plot(
+        self,
+        axes: Axes | Sequence[Axes] | AxesArray | None = None,
+        contacts: Sequence[str] | None = None,
+    ) -> AxesArray:
+        """Draw positions, gaps, normal forces and impulses, and energy over time; grey lines mark impacts.
+
+        Under Moreau-Jean, whose reactions are all impulses, Λ/Δt is drawn as the force of steps without an
+        impact of the contact.
+
+        Parameters
+        ----------
+        axes : one for each of the five panels, or of the two (positions, energy) of a run without contacts;
+            without it a figure is made
+        contacts : names of those to draw; without it all, or of more than 12 those that pressed most
+
+        Returns
+        -------
+        (panels,) of Axes
+            Those drawn into, ``axes[0].figure`` is the figure.
+
+        Raises
+        ------
+        ValueError
+            If there are more or fewer axes than panels.
+        KeyError
+            If there is no contact of a name.
+        """
         from saltus.plot import plot_trajectory
 
-        return plot_trajectory(self)
+        return plot_trajectory(self, axes, contacts)
+
+    def plot_contacts(
+        self,
+        axes: Axes | Sequence[Axes] | AxesArray | None = None,
+        contacts: Sequence[str] | None = None,
+    ) -> AxesArray:
+        """Draw gaps g, γ, λ and Λ of contacts, and a band of their states, see `ContactState`, over time.
+
+        Panels are gaps, normal velocities, forces and impulses, states; and if a contact has tangential
+        rows, sliding velocities, friction forces, of a few contacts with the cone |λ_T| ≤ μ λ_N, and
+        tangential impulses. These are signed in the plane, in space they are lengths.
+
+        Parameters, result and errors are those of `plot`, with five or eight panels; ValueError also if there
+        is no contact.
+        """
+        from saltus.plot import plot_contacts
+
+        return plot_contacts(self, axes, contacts)
+
+    def plot_energy(self, axes: Axes | Sequence[Axes] | AxesArray | None = None) -> AxesArray:
+        """Draw energy, the work that changes it, and what their balance leaves over.
+
+        Panels are T, V and T + V; the sums of the work of h, λ and Λ beside T − T(0); and T − T(0) less these
+        sums, which is zero but for the errors of the scheme's quadratures. What is lost at impacts is the
+        work of Λ, what friction takes that of λ; under Moreau-Jean both are that of Λ.
+
+        Result and errors are those of `plot`, with three panels.
+        """
+        from saltus.plot import plot_energy
+
+        return plot_energy(self, axes)
 
     def report(
         self,

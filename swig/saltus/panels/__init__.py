@@ -1,0 +1,1 @@
+"""Panels of pictures of runs: functions (axes, trajectory). `saltus.plot` has them all."""

@@ -1,0 +1,323 @@
+"""Panels of contacts: gaps, velocities, forces, impulses, and a band of their states.
+
+Each draws the contacts of these names, or, if there are many and none are named, those that pressed most.
+Tangential quantities are signed in the plane, and lengths in space.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from matplotlib.patches import Patch
+
+from saltus.io.contact_states import ContactState
+from saltus.panels.drawing import MOST_LINES, PIECES, curve, extremes, legend_strip, mark_times
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from matplotlib.axes import Axes
+
+    from saltus.io import ContactRecord, Trajectory
+    from saltus.typing import BoolArray, FloatArray, StateArray
+
+BLOCK = 65536  #: rows that are summed at a time
+MOST_CONES = 4  #: more contacts than that are drawn without their friction cones
+MOST_NAMES = 40  #: more contacts than that have no names beside the band
+COLORS = {
+    ContactState.OPEN: "#eeeeee",
+    ContactState.CLOSED: "#999999",
+    ContactState.STICK: "#0072b2",
+    ContactState.SLIP: "#e69f00",
+    ContactState.IMPACT: "#c2185b",
+    ContactState.HELD: "#b9a7d6",
+}
+
+
+def chosen(trajectory: Trajectory, contacts: Sequence[str] | None) -> list[str]:
+    """Names of the contacts to draw: those asked for, else the 12 that pressed most, in their order.
+
+    Raises
+    ------
+    KeyError
+        If there is none of a name.
+    """
+    if contacts is not None:
+        names = [contacts] if isinstance(contacts, str) else list(contacts)
+        for name in names:
+            trajectory[name]
+        return names
+    names = list(trajectory.contacts)
+    if len(names) <= MOST_LINES:
+        return names
+    pressed = _pressed(trajectory)
+    busiest = sorted(range(len(names)), key=lambda k: -pressed[k])[:MOST_LINES]  # stable: the first of equals
+    return [names[k] for k in sorted(busiest)]
+
+
+def _pressed(trajectory: Trajectory) -> FloatArray:
+    """Impulse (contacts,) through the normal rows in the recorded steps [N s]."""
+    force, impulse = trajectory.columns()["force"], trajectory.columns()["impulse"]
+    total = np.zeros(force.shape[1])
+    for start in range(0, len(force), BLOCK):
+        rows = slice(start, start + BLOCK)
+        total += trajectory.provenance.time_step * np.abs(force[rows]).sum(axis=0)
+        total += np.abs(impulse[rows]).sum(axis=0)
+    slots = trajectory.layout.contacts.values()
+    return np.array([total[slot.row : slot.row + slot.gaps].sum() for slot in slots])
+
+
+def impacts(trajectory: Trajectory, contacts: Sequence[str] | None = None) -> BoolArray:
+    """Rows (rows,) with an impact, under Moreau-Jean one of the contacts that are drawn."""
+    if trajectory.told_apart:
+        return trajectory.impulsive
+    hit = np.zeros(len(trajectory), dtype=np.bool_)
+    for name in chosen(trajectory, contacts):
+        hit |= trajectory[name].states == ContactState.IMPACT
+    return hit
+
+
+def mark_impacts(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+    """Grey lines at the impacts."""
+    mark_times(ax, trajectory.t[impacts(trajectory, contacts)])
+
+
+def reactions(trajectory: Trajectory, contact: ContactRecord) -> tuple[FloatArray, FloatArray]:
+    """Forces [N] and impulses [N s] of a contact, each (rows of the run, rows of the contact).
+
+    Under Moreau-Jean Λ/Δt is the force in steps without an impact of the contact, else Λ is the impulse.
+    """
+    if trajectory.told_apart:
+        return contact.force, contact.impulse
+    hit = (contact.states == ContactState.IMPACT)[:, None]
+    mean = contact.impulse / trajectory.provenance.time_step
+    return np.where(hit, 0.0, mean), np.where(hit, contact.impulse, 0.0)
+
+
+def gaps(
+    ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None, *, legend: bool = True
+) -> None:
+    """Gap g of every contact, in a unit that suits the largest."""
+    names = chosen(trajectory, contacts)
+    largest = max((np.abs(trajectory[name].gap).max(initial=0.0) for name in names), default=0.0)
+    unit, scale = _length(largest)
+    for contact, style in _styled(trajectory, names):
+        _normal(ax, trajectory.t, contact, scale * contact.gap, style)
+    ax.axhline(0.0, color="black", linewidth=0.6)
+    ax.set_ylabel(f"gap g [{unit}]")
+    _finish(ax, trajectory, names, legend)
+
+
+def velocities(
+    ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None, *, legend: bool = True
+) -> None:
+    """Normal velocity γ_N of every contact."""
+    names = chosen(trajectory, contacts)
+    for contact, style in _styled(trajectory, names):
+        _normal(ax, trajectory.t, contact, contact.velocity, style)
+    mark_impacts(ax, trajectory, names)
+    ax.set_ylabel("velocity γ_N [m/s]")
+    _finish(ax, trajectory, names, legend)
+
+
+def forces(
+    ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None, *, legend: bool = True
+) -> None:
+    """Normal force of every contact, the mean over the step, under Moreau-Jean Λ/Δt but for impacts."""
+    names = chosen(trajectory, contacts)
+    carries = False
+    for contact, style in _styled(trajectory, names):
+        force = reactions(trajectory, contact)[0]
+        carries |= bool(force.any())
+        _normal(ax, trajectory.t, contact, force, style)
+    mark_impacts(ax, trajectory, names)
+    ax.set_ylabel(f"force {_force(trajectory, carries, 'N')} [N]")
+    _finish(ax, trajectory, names, legend)
+
+
+def impulses(
+    ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None, *, legend: bool = True
+) -> None:
+    """Normal impulse Λ of every contact where there is one, of an equality with more rows their length.
+
+    Under Moreau-Jean those at impacts.
+    """
+    names = chosen(trajectory, contacts)
+    for contact, style in _styled(trajectory, names):
+        impulse = reactions(trajectory, contact)[1][:, : contact.gap.shape[1]]
+        _stems(ax, trajectory.t, impulse[:, 0] if impulse.shape[1] == 1 else _length_of(impulse), style)
+    ax.set_ylabel("impulse Λ_N [N s]")
+    _finish(ax, trajectory, names, legend)
+
+
+def sliding(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+    """Tangential velocity γ_T of every contact with friction."""
+    names = with_tangents(trajectory, contacts)
+    for contact, style in _styled(trajectory, names):
+        curve(ax, trajectory.t, _tangential(contact, contact.velocity), **style)
+    mark_impacts(ax, trajectory, names)
+    ax.set_ylabel(_tangent_label(trajectory, names, "velocity", "γ_T", "m/s"))
+
+
+def friction(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+    """Tangential force of every contact with friction, and the cone |λ_T| ≤ μ λ_N of a few."""
+    names = with_tangents(trajectory, contacts)
+    t = trajectory.t
+    carries = False
+    for contact, style in _styled(trajectory, names):
+        force = reactions(trajectory, contact)[0]
+        carries |= bool(force.any())
+        curve(ax, t, _tangential(contact, force), **style)
+        if len(names) <= MOST_CONES:
+            limit = (contact.law.friction or 0.0) * force[:, 0]
+            rows = extremes(limit)
+            lower = 0.0 if _in_space(contact) else -limit[rows]
+            ax.fill_between(t[rows], lower, limit[rows], color=style["color"], alpha=0.15, linewidth=0)
+    mark_impacts(ax, trajectory, names)
+    ax.set_ylabel(_tangent_label(trajectory, names, "friction", _force(trajectory, carries, "T"), "N"))
+
+
+def friction_impulses(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+    """Tangential impulse of every contact with friction, where there is one."""
+    names = with_tangents(trajectory, contacts)
+    for contact, style in _styled(trajectory, names):
+        _stems(ax, trajectory.t, _tangential(contact, reactions(trajectory, contact)[1]), style)
+    ax.set_ylabel(_tangent_label(trajectory, names, "impulse", "Λ_T", "N s"))
+
+
+def with_tangents(trajectory: Trajectory, contacts: Sequence[str] | None) -> list[str]:
+    """Those of the contacts to draw that have tangential rows."""
+    slots = trajectory.layout.contacts
+    return [name for name in chosen(trajectory, contacts) if slots[name].rows > slots[name].gaps]
+
+
+def states(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+    """A band for each contact, coloured by its state over time."""
+    names = chosen(trajectory, contacts)
+    seen: set[int] = set()
+    for index, name in enumerate(names):
+        found = trajectory[name].states
+        hits = trajectory.t[found == ContactState.IMPACT]
+        ax.vlines(
+            hits[extremes(hits)], index - 0.4, index + 0.4, color=COLORS[ContactState.IMPACT], linewidth=0.8
+        )
+        start, end, state = _phases(trajectory.t, found)
+        for code in np.unique(state):
+            spans = np.column_stack([start, end - start])[state == code]
+            ax.broken_barh(
+                spans, (index - 0.4, 0.8), color=COLORS[ContactState(int(code))], linewidth=0, zorder=1.5
+            )
+        seen.update(np.unique(found).tolist())
+    _count(ax, trajectory, names, "left")
+    ax.grid(False)
+    spare = max(0.0, 1.5 - len(names) / 2)  # above and below one or two bands
+    ax.set_ylim(len(names) - 0.4 + spare, -0.6 - spare)
+    if len(names) <= MOST_NAMES:
+        ax.set_yticks(range(len(names)), [label(name) for name in names])
+        for index, text in enumerate(ax.get_yticklabels()):
+            text.set_color(f"C{index % 10}")
+    else:
+        ax.set_yticks([])
+    kinds = [kind for kind in ContactState if kind in seen]
+    patches = [Patch(color=COLORS[kind], label=kind.name.lower()) for kind in kinds]
+    ax.legend(
+        handles=patches,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=len(ContactState),
+        borderaxespad=0.2,
+    )
+
+
+def _phases(t: FloatArray, states: StateArray) -> tuple[FloatArray, FloatArray, StateArray]:
+    """Start, end and state of the intervals between which the state changes; row k ends the k-th step."""
+    if len(states) > 4 * PIECES:
+        width = -(-len(states) // PIECES)
+        pieces = np.arange(0, len(states), width)
+        counts = [np.add.reduceat(states == kind, pieces, dtype=np.int64) for kind in ContactState]
+        states = np.argmax(counts, axis=0).astype(np.int8)  # of most of a piece's rows
+        t = t[np.append(pieces, len(t) - 1)]
+    else:
+        states = states[1:]
+    changes = np.flatnonzero(np.diff(states)) + 1
+    first = np.concatenate([[0], changes]).astype(np.int64)[: len(states)]
+    last = np.append(changes, len(states))[: len(states)]
+    return t[first], t[last], states[first]
+
+
+def label(name: str) -> str:
+    """A name as matplotlib shows it as it is: no formulas, and none that legends leave out."""
+    shown = name.replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
+
+
+def _styled(trajectory: Trajectory, names: Sequence[str]) -> Iterator[tuple[ContactRecord, dict[str, str]]]:
+    """The contacts with a colour and a name each; every other line is dashed and leaves one below visible."""
+    for index, name in enumerate(names):
+        dashes = ("-", "--", ":", "-.")[index % 2 + 2 * (index // 10 % 2)]
+        yield trajectory[name], {"color": f"C{index % 10}", "linestyle": dashes, "label": label(name)}
+
+
+def _normal(
+    ax: Axes, t: FloatArray, contact: ContactRecord, values: FloatArray, style: dict[str, str]
+) -> None:
+    """Its first rows, under one name."""
+    for k in range(contact.gap.shape[1]):
+        curve(ax, t, values[:, k], **(style if k == 0 else {**style, "label": "_"}))
+
+
+def _tangential(contact: ContactRecord, values: FloatArray) -> FloatArray:
+    """The row behind the normal one, or the length of two of them."""
+    rows = values[:, contact.gap.shape[1] :]
+    return _length_of(rows) if _in_space(contact) else rows[:, 0]
+
+
+def _in_space(contact: ContactRecord) -> bool:
+    return bool(contact.velocity.shape[1] - contact.gap.shape[1] > 1)
+
+
+def _length_of(rows: FloatArray) -> FloatArray:
+    length: FloatArray = np.sqrt(np.square(rows).sum(axis=1))
+    return length
+
+
+def _stems(ax: Axes, t: FloatArray, values: FloatArray, style: dict[str, str]) -> None:
+    rows = np.flatnonzero(values)
+    rows = rows[extremes(values[rows])]
+    ax.vlines(t[rows], 0.0, values[rows], color=style["color"], linewidth=1.0)
+    ax.plot(t[rows], values[rows], "o", markersize=3.5, color=style["color"], label=style["label"])
+
+
+def _length(largest: float) -> tuple[str, float]:
+    """Unit in which it is of handy size, and how many of it make a metre."""
+    if largest == 0.0 or largest >= 0.1:
+        return "m", 1.0
+    return ("mm", 1e3) if largest >= 1e-4 else ("µm", 1e6)
+
+
+def _force(trajectory: Trajectory, carries: bool, direction: str) -> str:
+    """Symbol of what is drawn: a run in which nothing carries does not know whether its scheme has λ."""
+    return f"Λ_{direction}/Δt" if carries and not trajectory.told_apart else f"λ_{direction}"
+
+
+def _tangent_label(
+    trajectory: Trajectory, names: Sequence[str], quantity: str, symbol: str, unit: str
+) -> str:
+    space = any(_in_space(trajectory[name]) for name in names)
+    return f"{quantity} |{symbol}| [{unit}]" if space else f"{quantity} {symbol} [{unit}]"
+
+
+def _finish(ax: Axes, trajectory: Trajectory, names: Sequence[str], legend: bool) -> None:
+    """A legend, and of how many contacts these are."""
+    if not legend:
+        return
+    if 0 < len(names) <= MOST_LINES:
+        legend_strip(ax)
+    _count(ax, trajectory, names, "right")
+
+
+def _count(ax: Axes, trajectory: Trajectory, names: Sequence[str], side: Literal["left", "right"]) -> None:
+    if len(names) < len(trajectory.contacts):
+        text = f"{len(names)} of {len(trajectory.contacts)} contacts"
+        ax.set_title(text, loc=side, fontsize="small", color="0.4")
