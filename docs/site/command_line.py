@@ -42,7 +42,7 @@ class CommandLine(SphinxDirective):
         lines = [*(command.help or "").replace("\b\n", "").splitlines(), ""]
         for parameter in command.params:
             if (record := parameter.get_help_record(context)) and parameter.name != "help":
-                lines += [f"``{record[0]}``", f"   {' '.join(record[1].split()) or '—'}", ""]
+                lines += [f"`{record[0]}`", f": {' '.join(record[1].split()) or '—'}", ""]
         self.state.nested_parse(StringList(lines, words), self.content_offset, section)
         return section
 

@@ -98,12 +98,17 @@ class Gallery(_Drawing):
     """``{gallery}``: a section for each example."""
 
     def run(self) -> list[nodes.Node]:
-        """Run and draw all of them."""
-        return [self.section(name, example) for name, example in examples().items()]
+        """Run and draw all of them; small pictures lead to the sections."""
+        small = nodes.container(classes=["small-pictures"])
+        for name in examples():
+            image = self.figure(self.draw(name), [], title_of(name))[0]
+            link = nodes.reference("", "", image, nodes.Text(title_of(name)), refuri=f"#{label_of(name)}")
+            small += nodes.paragraph("", "", link)
+        return [small, *(self.section(name, example) for name, example in examples().items())]
 
     def section(self, name: str, example: Example) -> nodes.section:
         """Title, what it is, picture, and where to read it."""
-        title, label = name.replace("_", " ").capitalize(), f"example-{name.replace('_', '-')}"
+        title, label = title_of(name), label_of(name)
         section = nodes.section(ids=[label], names=[label])
         section += nodes.title(title, title)
         std = self.env.domains.standard_domain
@@ -122,12 +127,23 @@ class Gallery(_Drawing):
         return section
 
 
+def title_of(name: str) -> str:
+    """Heading of an example."""
+    return name.replace("_", " ").capitalize()
+
+
+def label_of(name: str) -> str:
+    """Where its section is."""
+    return f"example-{name.replace('_', '-')}"
+
+
 def files_of(name: str) -> list[Path]:
     """The documents of an example, its own module first."""
     folder = ROOT / "examples" / name
     files = [file for file in folder.iterdir() if file.suffix in (".py", ".cpp", ".hpp")]
     return sorted(
-        (file for file in files if file.name != "__init__.py"), key=lambda f: (f.stem != name, f.name)
+        (file for file in files if file.name != "__init__.py"),
+        key=lambda file: (file.name != f"{name}.py", file.name),
     )
 
 

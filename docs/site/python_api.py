@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -64,11 +65,20 @@ def signature(
     result: str | None,
 ) -> tuple[str | None, str | None] | None:
     """Of what C++ defines, the one in the stubs."""
-    if not str(getattr(obj, "__module__", None) or "").startswith("saltus._core"):
+    if what not in ("class", "method", "function"):
         return None
-    own = getattr(obj, "__qualname__", "").removesuffix(".__init__")
-    arguments, result = signatures().get(f"{own}.__init__" if what == "class" else own, ("", ""))
-    return arguments, None if what == "class" else result or None
+    *path, last = name.split(".")
+    owner = getattr(sys.modules.get(".".join(path[:-1])), path[-1], None) if what == "method" else obj
+    bases = [base.__name__ for base in getattr(owner, "__mro__", ()) if base.__module__ == "saltus._core"]
+    names = {"class": f"{last}.__init__", "function": last}
+    wanted = [f"{base}.{last}" for base in bases] if what == "method" else [names[what]]
+    if what != "method" and not str(getattr(obj, "__module__", None) or "").startswith("saltus._core"):
+        return None
+    for key in wanted:
+        if key in signatures():
+            found = signatures()[key]
+            return found[0], None if what == "class" else found[1]
+    return arguments, result
 
 
 def docstring(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:

@@ -60,7 +60,7 @@ SCHEME = "HalfExplicitTrapezoidalOSI"
 
 CAPTION = (
     "The ball swings up on its string, blue, until the string goes slack; it falls along a parabola, red, "
-    "until the string is taut again with a jerk, at the exact place, the cross. Below, the force of the "
+    "until the string is taut again with a jerk, at the exact place, the cross. Beside it, the force of the "
     "string, which falls to zero where it goes slack."
 )
 WATCH = (
@@ -153,7 +153,7 @@ def picture(shown: Trajectory) -> Figure:
     from saltus.examples.figure import sheet
 
     taut, end = shown["string"].force[:, 0] > 0, jerk()
-    with sheet(2, 1, (7, 7.5), height_ratios=[2.5, 1]) as (figure, (way, force)):
+    with sheet(1, 2, (9, 4.4)) as (figure, (way, force)):
         for part, color, label in ((taut, "C0", "taut"), (~taut, "C3", "slack")):
             way.plot(*np.where(part[:, None], shown.q, np.nan).T, color=color, label=label)
         way.plot(-LENGTH * sin(end.angle), LENGTH * cos(end.angle), "kx", markersize=9, label="exactly")
