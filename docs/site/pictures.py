@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,8 @@ def run_code(page: Path, folder: Path) -> None:
     os.chdir(folder)
     try:
         for number, block in enumerate(BLOCK.findall(page.read_text())):
-            exec(compile(block, f"{page.name}, block {number}", "exec"), {"__name__": "__main__"})  # noqa: S102
+            with redirect_stdout(None):
+                exec(compile(block, f"{page.name}, block {number}", "exec"), {"__name__": "__main__"})
             plt.close("all")
     finally:
         os.chdir(home)
