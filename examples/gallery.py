@@ -1,7 +1,8 @@
 """Examples that show themselves.
 
 The module NAME/NAME.py of an example has a function ``run()``, which returns the run that it shows,
-``picture(run())``, which draws it, and ``CAPTION``, what should be seen there.
+``picture(run())``, which draws it, ``CAPTION``, what should be seen there, and ``WATCH``, what should be seen in
+the page ``run().report(PATH)``.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ class Example(Protocol):
     __name__: str
     __doc__: str | None
     CAPTION: str
+    WATCH: str
 
     def run(self) -> Trajectory:
         """The run that is shown."""

@@ -84,7 +84,7 @@ void bind_model(py::module_& module) {
             py::module_::import("saltus.scene").attr("show_at")(self, place);
           },
           py::arg("place"),
-          "Let pictures show the contact at place(q) = (point, *directions), each with 2 or 3 entries: where "
+          "Let pictures show the contact at place(q) = (point, direction, ...), each with 2 or 3 entries: where "
           "it is\n"
           "in space [m], and the unit vectors along which its rows push ds1, the normal first. q is that of "
           "ds1, or\n"

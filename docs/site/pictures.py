@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 DPI = 130
+RUNS = "runs"  #: folder of the site, for pages of runs
 
 
 def folder_of(app: Sphinx, docname: str) -> Path:
@@ -60,13 +62,15 @@ class _Drawing(SphinxDirective):
         return nodes.figure("", nodes.image(uri=uri, alt=alt), nodes.caption("", "", *caption))
 
     def draw(self, name: str) -> Path:
-        """The picture of an example, drawn once in a build."""
+        """The picture of an example, drawn once in a build, and beside it the page of its run."""
         file = folder_of(self.env.app, "gallery") / f"{name}.png"
         drawn = self.env.app.drawn_examples  # type: ignore[attr-defined]
         if name not in drawn:
             example = examples()[name]
-            example.picture(example.run()).savefig(file, dpi=DPI)
+            shown = example.run()
+            example.picture(shown).savefig(file, dpi=DPI)
             plt.close("all")
+            shown.report(file.with_suffix(".html"), title=title_of(name), caption=example.WATCH)
             drawn.add(name)
         return file
 
@@ -119,6 +123,8 @@ class Gallery(_Drawing):
         lead = (example.__doc__ or "").split("\n\n")[0].replace("\n", " ")
         section += nodes.paragraph("", "", nodes.Text(lead))
         section += self.figure(self.draw(name), [nodes.Text(example.CAPTION)], title)
+        page = nodes.reference("", "its motion in the browser", refuri=f"{RUNS}/{name}.html")
+        section += nodes.paragraph("", "Watch ", page, nodes.Text(f". {example.WATCH}"))
         section += nodes.literal_block(
             f"python -m {example.__name__}", f"python -m {example.__name__}", language="sh"
         )
@@ -165,6 +171,15 @@ def source_pages(app: Sphinx) -> Iterator[tuple[str, dict[str, str], str]]:
             yield page_of(file), {"title": heading, "body": body}, "page.html"
 
 
+def copy_runs(app: Sphinx, error: Exception | None) -> None:
+    """Pages of runs join the site as they are."""
+    if error is None:
+        target = Path(app.outdir) / RUNS
+        target.mkdir(exist_ok=True)
+        for page in folder_of(app, "gallery").glob("*.html"):
+            shutil.copy(page, target)
+
+
 def prepare(app: Sphinx) -> None:
     """Nothing is drawn yet."""
     app.drawn_examples = set()  # type: ignore[attr-defined]
@@ -177,4 +192,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("gallery", Gallery)
     app.connect("builder-inited", prepare)
     app.connect("html-collect-pages", source_pages)
+    app.connect("build-finished", copy_runs)
     return {"parallel_read_safe": False, "parallel_write_safe": True}

@@ -139,9 +139,8 @@ def shapes(ax: Axes, trajectory: Trajectory, rows: Sequence[int], plane: str = "
         shade = 0.3 + 0.7 * (order + 1) / len(rows)
         for index, shape in enumerate(trajectory.shapes):
             lines = shape.in_space(row)[shape.lines][:, :, axes]
-            ax.add_collection(
-                LineCollection(list(lines), color=f"C{index % 10}", alpha=shade**2, linewidth=0.6 + shade)
-            )
+            color = "0.3" if shape.system < 0 else f"C{index % 10}"
+            ax.add_collection(LineCollection(list(lines), color=color, alpha=shade**2, linewidth=0.6 + shade))
     ax.autoscale_view()
     ax.set_xlabel(f"{plane[0]} [m]")
     ax.set_ylabel(f"{plane[1]} [m]")
