@@ -1,8 +1,8 @@
 """Examples that show themselves.
 
 The module NAME/NAME.py of an example has a function ``run()``, which returns the run that it shows,
-``picture(run())``, which draws it, ``CAPTION``, what should be seen there, and ``WATCH``, what should be seen in
-the page ``run().report(PATH)``.
+``picture(run())``, which draws it, ``CAPTION``, what should be seen there, and ``WATCH``, what should be seen
+in the page ``run().report(PATH)``.
 """
 
 from __future__ import annotations
