@@ -84,7 +84,8 @@ void bind_model(py::module_& module) {
             py::module_::import("saltus.scene").attr("show_at")(self, place);
           },
           py::arg("place"),
-          "Let pictures show the contact at place(q) = (point, direction, ...), each with 2 or 3 entries: where "
+          "Let pictures show the contact at place(q) = (point, direction, ...), each with 2 or 3 entries: "
+          "where "
           "it is\n"
           "in space [m], and the unit vectors along which its rows push ds1, the normal first. q is that of "
           "ds1, or\n"
@@ -175,6 +176,67 @@ ValueError
              "The model that a shared library composes, \"library:function\".");
 }
 
+// A checkpoint as arrays of numbers by name. A field is named once, for both directions.
+template <typename Checkpoint, typename Field>
+void exchange(Checkpoint& c, Field&& field) {
+  field("step", c.step);
+  field("t", c.state.t);
+  field("q", c.state.q);
+  field("v", c.state.v);
+  field("held", c.state.held);
+  field("lambda_plus", c.reactions.lambda_plus);
+  field("lambda_minus", c.reactions.lambda_minus);
+  field("force", c.reactions.force);
+  field("impulse", c.reactions.impulse);
+  auto& r = c.report;
+  field("impulsive", r.impulsive);
+  field("closed", r.closed);
+  field("solver_iterations", r.solver_iterations);
+  field("residual", r.residual);
+  field("penetration", r.penetration);
+  field("kinetic_energy", r.kinetic_energy);
+  field("work_forces", r.work_forces);
+  field("work_lambda", r.work_lambda);
+  field("work_impulse", r.work_impulse);
+  field("accepted_steps", r.accepted_steps);
+  field("rejected_steps", r.rejected_steps);
+  field("event_steps", r.event_steps);
+  field("captures", r.captures);
+  field("memory", c.memory);
+}
+
+py::dict to_dict(const Checkpoint& checkpoint) {
+  py::dict values;
+  exchange(checkpoint, [&](const char* name, const auto& field) {
+    using T = std::decay_t<decltype(field)>;
+    if constexpr (std::is_arithmetic_v<T>) {
+      values[name] = field;
+    } else {
+      py::array_t<double> array(static_cast<py::ssize_t>(field.size()));
+      std::copy(field.data(), field.data() + field.size(), array.mutable_data());
+      values[name] = array;
+    }
+  });
+  return values;
+}
+
+Checkpoint to_checkpoint(const py::dict& values) {
+  Checkpoint checkpoint;
+  exchange(checkpoint, [&](const char* name, auto& field) {
+    using T = std::decay_t<decltype(field)>;
+    if (!values.contains(name))
+      throw std::invalid_argument(std::string("a checkpoint must have '") + name + "', got none");
+    if constexpr (std::is_arithmetic_v<T>) {
+      field = values[name].template cast<T>();
+    } else {
+      const Vec given = to_vec(values[name], name);
+      field.resize(given.size());
+      std::copy(given.data(), given.data() + given.size(), field.data());
+    }
+  });
+  return checkpoint;
+}
+
 // Read when it is asked for: copies that later steps do not change
 void bind_event(py::module_& module) {
   const char* doc =
@@ -234,6 +296,8 @@ void bind_simulation(py::module_& module) {
              self.run(until);
            })
       .def("take_step", &TimeStepping::step)
+      .def("checkpoint", [](const TimeStepping& self) { return to_dict(self.checkpoint()); })
+      .def("restore", [](TimeStepping& self, const py::dict& values) { self.restore(to_checkpoint(values)); })
       .def_property_readonly("time_step", &TimeStepping::time_step)
       .def_property_readonly("steps", &TimeStepping::steps)
       .def_property_readonly("report", [](const TimeStepping& self) { return self.report(); })

@@ -17,6 +17,8 @@ class ImpactRefinement final : public OneStepIntegrator {
   std::string name() const override { return scheme_->name(); }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
+  std::vector<double> memory() const override { return scheme_->memory(); }
+  void remember(std::span<const double> memory) override { scheme_->remember(memory); }
   std::unique_ptr<OneStepIntegrator> clone() const override {
     return std::make_unique<ImpactRefinement>(scheme_->clone(), parts_);
   }

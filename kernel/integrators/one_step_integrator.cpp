@@ -1,5 +1,7 @@
 #include "saltus/kernel/integrators/one_step_integrator.hpp"
 
+#include <stdexcept>
+
 namespace saltus {
 
 void Reactions::set_zero(int rows) {
@@ -7,6 +9,12 @@ void Reactions::set_zero(int rows) {
   lambda_minus.setZero(rows);
   force.setZero(rows);
   impulse.setZero(rows);
+}
+
+void OneStepIntegrator::remember(std::span<const double> memory) {
+  if (!memory.empty())
+    throw std::invalid_argument(name() + " carries nothing from step to step, got a memory of " +
+                                std::to_string(memory.size()) + " numbers");
 }
 
 std::string_view to_string(StepStatus status) {

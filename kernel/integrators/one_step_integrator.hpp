@@ -90,6 +90,12 @@ class OneStepIntegrator {
   virtual StepReport step(double dt, State& state, Reactions& reactions) = 0;
   /// The events of the last step in the order of time, of a scheme that locates them.
   virtual std::span<const LocatedEvent> events() const { return {}; }
+  /// What the scheme carries from step to step besides state and reactions, of most schemes nothing: a run
+  /// that goes on elsewhere from these three has the same bits.
+  virtual std::vector<double> memory() const { return {}; }
+  /// After prepare(): goes on with what memory() gave.
+  /// @throws std::invalid_argument if it is of another scheme or model
+  virtual void remember(std::span<const double> memory);
   /// The same scheme with a workspace of its own.
   virtual std::unique_ptr<OneStepIntegrator> clone() const = 0;
 };

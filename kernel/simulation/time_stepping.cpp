@@ -191,6 +191,40 @@ const StepReport& TimeStepping::step() {
   return report_;
 }
 
+Checkpoint TimeStepping::checkpoint() const {
+  return {step_, state_, reactions_, report_, integrator_->memory()};
+}
+
+void TimeStepping::restore(const Checkpoint& checkpoint) {
+  const Busy busy(busy_, "restore");
+  const State& state = checkpoint.state;
+  const Reactions& reactions = checkpoint.reactions;
+  const auto require = [](const char* what, auto expected, auto got) {
+    if (static_cast<long>(expected) != static_cast<long>(got))
+      throw std::invalid_argument(std::string(what) + " of a checkpoint must have " +
+                                  std::to_string(expected) + " entries, got " + std::to_string(got));
+  };
+  require("q", state_.q.size(), state.q.size());
+  require("v", state_.v.size(), state.v.size());
+  if (!state.held.empty()) require("held", layout_->contacts.size(), state.held.size());
+  for (const Vec* rows :
+       {&reactions.lambda_plus, &reactions.lambda_minus, &reactions.force, &reactions.impulse})
+    require("reactions", layout_->rows, rows->size());
+  if (checkpoint.step < 0 || !state.q.allFinite() || !state.v.allFinite())
+    throw std::invalid_argument("a checkpoint must have a step >= 0 and finite q and v");
+  try {
+    integrator_->remember(checkpoint.memory);
+  } catch (...) {
+    integrator_->prepare(model_, solver_);  // half of a memory is none
+    throw;
+  }
+  step_ = checkpoint.step;
+  state_ = state;
+  state_.held.reserve(layout_->contacts.size());
+  reactions_ = reactions;
+  report_ = checkpoint.report;
+}
+
 // Gaps, relative velocities and potential energy at the present state
 void TimeStepping::look() {
   view_.move_to(state_.q, state_.t);

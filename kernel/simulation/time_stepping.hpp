@@ -31,6 +31,15 @@ class SimulationError : public std::runtime_error {
   StepReport report_;
 };
 
+/// All that a run needs to go on with the same bits.
+struct Checkpoint {
+  long step = 0;
+  State state;
+  Reactions reactions;
+  StepReport report;
+  std::vector<double> memory;  ///< of the integrator
+};
+
 /// @throws std::invalid_argument unless Δt is positive, finite and changes t0
 double require_time_step(double time_step, double t0);
 /// Is the step after `steps` others one with t_k <= until (1 + 1e-12)? The tolerance is at most Δt/1000.
@@ -65,6 +74,12 @@ class TimeStepping {
   const StepReport& step();
   /// Would run(until) take a further step?
   bool reaches(double until) const;
+
+  Checkpoint checkpoint() const;
+  /// Goes on from there, with the same model, integrator, solver and Δt. Observers are not shown the row.
+  /// @throws std::invalid_argument if sizes are not those of the model, or a value is not finite,
+  ///         std::logic_error from within a step
+  void restore(const Checkpoint& checkpoint);
 
   const NonSmoothDynamicalSystem& model() const { return model_; }
   const OneStepIntegrator& integrator() const { return *integrator_; }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "saltus/kernel/integrators/memory.hpp"
 #include "saltus/numerics/text.hpp"
 
 namespace saltus {
@@ -80,6 +81,33 @@ StepReport AdaptiveHalfExplicit::step(double dt, State& state, Reactions& reacti
   show(state.t + dt, dt, state, reactions, report);
   valid_ = report.status == StepStatus::ok;
   return report;
+}
+
+// All that outlives a step: where the inner steps have come to, and the last of them if it reaches further.
+template <typename Scheme, typename Memory>
+void AdaptiveHalfExplicit::exchange(Scheme& scheme, Memory& memory) {
+  memory(scheme.t_, scheme.q_, scheme.v_, scheme.closed_, scheme.is_closed_, scheme.last_impact_,
+         scheme.level_, scheme.h_, scheme.fastest_);
+  memory(scheme.warm_.lambda_plus, scheme.warm_.lambda_minus, scheme.warm_.force, scheme.warm_.impulse);
+  auto& inner = scheme.inner_;
+  memory(inner.t, inner.dt, inner.q0, inner.rate0, inner.v0, inner.q1, inner.rate1, inner.v1, inner.mean_v,
+         inner.place, inner.lambda[0], inner.lambda[1], inner.power_place, inner.power_forces,
+         inner.power_lambda, inner.inertia_work);
+  memory(scheme.ahead_, scheme.impact_.impulse, scheme.impact_.work, scheme.impact_.happens,
+         scheme.impact_.captures, scheme.was_closed_);
+  memory(scheme.shown_.t, scheme.shown_.q, scheme.shown_.v, scheme.shown_.held, scheme.valid_);
+}
+
+std::vector<double> AdaptiveHalfExplicit::memory() const {
+  MemoryWriter memory;
+  exchange(*this, memory);
+  return std::move(memory.values);
+}
+
+void AdaptiveHalfExplicit::remember(std::span<const double> memory) {
+  MemoryReader reader(memory);
+  exchange(*this, reader);
+  reader.finish();
 }
 
 // Is this state the one that was shown last? Then what was computed beyond it holds.

@@ -27,6 +27,8 @@ class AdaptiveHalfExplicit final : public OneStepIntegrator {
   std::string name() const override { return "AdaptiveHalfExplicitOSI"; }
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   StepReport step(double dt, State& state, Reactions& reactions) override;
+  std::vector<double> memory() const override;
+  void remember(std::span<const double> memory) override;
   std::unique_ptr<OneStepIntegrator> clone() const override {
     return std::make_unique<AdaptiveHalfExplicit>(method_, control_);
   }
@@ -39,6 +41,8 @@ class AdaptiveHalfExplicit final : public OneStepIntegrator {
     int captures;
   };
 
+  template <typename Scheme, typename Memory>
+  static void exchange(Scheme& scheme, Memory& memory);
   bool continues(double t, const State& state, double dt) const;
   bool restart(const State& state, const Reactions& reactions, double dt, StepReport& report);
   bool inner_step(StepReport& report);
