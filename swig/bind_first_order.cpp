@@ -66,7 +66,9 @@ ValueError
           "dimension", [](py::object self) { return initialised<FirstOrderDS>(self).dimension(); },
           "entries of x")
       .def_property_readonly("x0",
-                             [](py::object self) { return to_array(initialised<FirstOrderDS>(self).x0()); });
+                             [](py::object self) { return to_array(initialised<FirstOrderDS>(self).x0()); })
+      .def("__repr__", shown_by("first_order_ds_text"))
+      .def("_repr_html_", shown_by("first_order_ds"));
 
   py::classh<FirstOrderLinearDS, FirstOrderDS, PyFirstOrderLinearDS>(
       module, "FirstOrderLinearDS",

@@ -53,18 +53,6 @@ py::object places(const NonSmoothDynamicalSystem& self, int index,
   return py::make_tuple(points, directions);
 }
 
-// The law by name with its parameters, which the layout of a run keeps
-py::dict description(const NonSmoothLaw& law) {
-  using namespace py::literals;
-  if (law.bilateral) return py::dict("name"_a = "EqualityConditionNSL");
-  if (law.sets.size() != 1) return py::dict("name"_a = "NonSmoothLaw");
-  const double normal = law.restitution[0];
-  const auto* coulomb = std::get_if<Coulomb>(&law.sets.front());
-  if (!coulomb) return py::dict("name"_a = "NewtonImpactNSL", "restitution"_a = normal);
-  return py::dict("name"_a = "NewtonImpactFrictionNSL", "restitution"_a = normal,
-                  "tangential_restitution"_a = law.restitution[1], "friction"_a = coulomb->mu);
-}
-
 void bind_model(py::module_& module) {
   const char* interaction_doc =
       "A relation with the law that acts in it, in either order; results carry its name.\n\n"
@@ -90,7 +78,10 @@ void bind_model(py::module_& module) {
           "in space [m], and the unit vectors along which its rows push ds1, the normal first. q is that of "
           "ds1, or\n"
           "[q1; q2]. Without directions there are no arrows. Contacts and joints of bodies know their place.")
-      .def_property_readonly("name", &Interaction::name);
+      .def_property_readonly("name", &Interaction::name)
+      .def_property_readonly("law", &Interaction::law, "the law that acts in it")
+      .def("__repr__", shown_by("interaction_text"))
+      .def("_repr_html_", shown_by("interaction"));
 
   py::class_<CheckItem>(module, "CheckItem", "One line of NonSmoothDynamicalSystem.check().")
       .def_readonly("subject", &CheckItem::subject)

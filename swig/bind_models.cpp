@@ -89,8 +89,10 @@ ValueError
             py::module_::import("saltus.scene").attr("attach")(self, shape, pose);
           },
           py::arg("shape"), py::arg("pose") = py::none(),
-          "Let the system look like this in pictures: a Disc, Box, Polyline, Sphere, Cylinder or Mesh whose frame\n"
-          "is at pose(q) = (x [m], y [m], angle [rad]), or (x, y, z [m], and a unit quaternion w, x, y, z). A\n"
+          "Let the system look like this in pictures: a Disc, Box, Polyline, Sphere, Cylinder or Mesh whose "
+          "frame\n"
+          "is at pose(q) = (x [m], y [m], angle [rad]), or (x, y, z [m], and a unit quaternion w, x, y, z). "
+          "A\n"
           "NewtonEulerDS tells itself where it is. Shapes are stored with the run.")
       .def_property_readonly(
           "dimension", [](py::object self) { return initialised<LagrangianDS>(self).dimension(); },
@@ -101,7 +103,9 @@ ValueError
       .def_property_readonly("q0",
                              [](py::object self) { return to_array(initialised<LagrangianDS>(self).q0()); })
       .def_property_readonly("v0",
-                             [](py::object self) { return to_array(initialised<LagrangianDS>(self).v0()); });
+                             [](py::object self) { return to_array(initialised<LagrangianDS>(self).v0()); })
+      .def("__repr__", shown_by("dynamical_system_text"))
+      .def("_repr_html_", shown_by("dynamical_system"));
 
   py::classh<LagrangianLinearTIDS, LagrangianDS, PyLagrangianLinearTIDS>(
       module, "LagrangianLinearTIDS", R"(Linear time-invariant system M v̇ + C v + K q = f + W λ.
@@ -283,7 +287,9 @@ void bind_laws(py::module_& module) {
   py::class_<NonSmoothLaw>(module, "NonSmoothLaw", "Which forces and jumps an interaction admits.")
       .def_property_readonly("size", &NonSmoothLaw::size, "number of rows")
       .def_property_readonly("restitution", [](const NonSmoothLaw& law) { return to_array(law.restitution); })
-      .def_readonly("bilateral", &NonSmoothLaw::bilateral);
+      .def_readonly("bilateral", &NonSmoothLaw::bilateral)
+      .def_property_readonly("description", &description, "its class by name, and its parameters")
+      .def("__repr__", shown_by("law_text"));
   py::class_<NewtonImpactNSL, NonSmoothLaw>(
       module, "NewtonImpactNSL",
       "Unilateral contact without friction, Newton's impact law (6) with restitution e in [0, 1].\n\n"
@@ -362,6 +368,17 @@ ValueError
 }
 
 }  // namespace
+
+py::dict description(const NonSmoothLaw& law) {
+  using namespace py::literals;
+  if (law.bilateral) return py::dict("name"_a = "EqualityConditionNSL");
+  if (law.sets.size() != 1) return py::dict("name"_a = "NonSmoothLaw");
+  const double normal = law.restitution[0];
+  const auto* coulomb = std::get_if<Coulomb>(&law.sets.front());
+  if (!coulomb) return py::dict("name"_a = "NewtonImpactNSL", "restitution"_a = normal);
+  return py::dict("name"_a = "NewtonImpactFrictionNSL", "restitution"_a = normal,
+                  "tangential_restitution"_a = law.restitution[1], "friction"_a = coulomb->mu);
+}
 
 void bind_models(py::module_& module) {
   bind_systems(module);

@@ -97,12 +97,14 @@ void bind_problems(py::module_& module) {
       .def_readonly(
           "unique", &ProblemSolution::unique,
           "is it the only solution with these w or u? None if it is no solution, or that is not known")
-      .def("__repr__", [](const ProblemSolution& self) {
-        return std::string(to_string(self.status)) + " by " + self.solver + " in " +
-               std::to_string(self.iterations) + " iterations, residual " + number(self.residual) + ", " +
-               std::to_string(self.solution.size()) + " unknowns" +
-               (self.unique == false ? ", not unique" : "");
-      });
+      .def("__repr__",
+           [](const ProblemSolution& self) {
+             return std::string(to_string(self.status)) + " by " + self.solver + " in " +
+                    std::to_string(self.iterations) + " iterations, residual " + number(self.residual) +
+                    ", " + std::to_string(self.solution.size()) + " unknowns" +
+                    (self.unique == false ? ", not unique" : "");
+           })
+      .def("_repr_html_", shown_by("solution"));
   module.def(
       "solve_problem",
       [](const ArrayLike& G, const ArrayLike& b, const std::vector<ContactSet>& sets,
@@ -144,10 +146,12 @@ void bind_numerics(py::module_& module) {
       .def_readonly("residual", &Solution::residual, "natural map, computed outside the solver [m/s]")
       .def_readonly("scale", &Solution::scale, "size of the terms in G P + b [m/s]")
       .def_readonly("iterations", &Solution::iterations)
-      .def("__repr__", [](const Solution& s) {
-        return "ContactSolution(status='" + s.status + "', solver='" + s.solver +
-               "', residual=" + std::string(py::str(py::float_(s.residual))) + ")";
-      });
+      .def("__repr__",
+           [](const Solution& s) {
+             return "ContactSolution(status='" + s.status + "', solver='" + s.solver +
+                    "', residual=" + std::string(py::str(py::float_(s.residual))) + ")";
+           })
+      .def("_repr_html_", shown_by("contact_solution"));
   py::classh<ContactSolver, PyContactSolver>(module, "ContactSolver", py::dynamic_attr(),
                                              R"(A contact solver. To write one, derive from it and define
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "saltus/io/recording.hpp"
+#include "saltus/kernel/model/nonsmooth_law.hpp"
 #include "saltus/numerics/contact_problem.hpp"
 
 namespace saltus::python {
@@ -54,6 +55,14 @@ const Class& initialised(const py::object& self) {
 }
 /// A recording with these columns, as Recording.columns() gives them.
 Recording to_recording(const py::dict& columns);
+/// A method that a function of saltus.notebook stands for: what an object looks like.
+inline auto shown_by(const char* function) {
+  return [function](const py::object& self) {
+    return py::module_::import("saltus.notebook").attr(function)(self);
+  };
+}
+/// The law's class by name, and its parameters, which the layout of a run keeps.
+py::dict description(const NonSmoothLaw& law);
 /// A new array with these values.
 py::array_t<double> to_array(const Vec& values);
 py::array_t<double> matrix_to_array(const Matrix& values);

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, fields
 from numbers import Real
 from typing import Any, TypeAlias
 
-from saltus import _core, registry
+from saltus import _core, notebook, registry
 from saltus._core import (
     BoxLaws,
     EqualityConditionNSL,
@@ -166,6 +166,12 @@ class FirstOrderSystem(_core.FirstOrderSystemBase):
         laws = _core.equality_laws(law.size) if isinstance(law, EqualityConditionNSL) else law
         self.connect(relation, laws, ds1, ds2, name)
 
+    def __repr__(self) -> str:
+        return notebook.first_order_model_text(self)
+
+    def _repr_html_(self) -> str:
+        return notebook.first_order_model(self)
+
 
 class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
     """Simulation of a first-order model with fixed steps, t_k = t0 + k Δt.
@@ -260,3 +266,9 @@ class FirstOrderTimeStepping(_core.FirstOrderTimeSteppingBase):
         except SimulationError as error:
             error.trajectory = self._trajectory
             raise
+
+    def __repr__(self) -> str:
+        scheme = self._trajectory.provenance.integrator
+        return (
+            f"<FirstOrderTimeStepping {scheme}: t = {self.t:g} s, {self.steps} steps of {self.time_step:g} s>"
+        )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from saltus import _core, registry
+from saltus import _core, notebook, registry
 from saltus._core import (
     Actuator,
     CheckItem,
@@ -176,7 +176,7 @@ class CheckReport:
 
     def __str__(self) -> str:
         lines = [
-            f"{_verdict(item)}  {item.subject:<16} {item.quantity:<42} "
+            f"{notebook.verdict_of(item):<3}  {item.subject:<16} {item.quantity:<42} "
             f"deviation {item.deviation:8.1e} (at most {item.tolerance:.0e})  {item.note}"
             for item in self.items
         ]
@@ -184,11 +184,8 @@ class CheckReport:
 
     __repr__ = __str__
 
-
-def _verdict(item: CheckItem) -> str:
-    if item.deviation <= item.tolerance:
-        return "ok "
-    return "see" if item.advisory else "BAD"
+    def _repr_html_(self) -> str:
+        return notebook.check_report(self)
 
 
 class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
@@ -282,6 +279,12 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         gap and velocity of bilateral constraints against zero; gaps and relative velocities at t0 are noted.
         """
         return CheckReport(tuple(self.check_items()))
+
+    def __repr__(self) -> str:
+        return notebook.model_text(self)
+
+    def _repr_html_(self) -> str:
+        return notebook.model(self)
 
 
 class StabilityWarning(UserWarning):
@@ -401,6 +404,10 @@ class TimeStepping(_core.TimeSteppingBase):
     def observe(self, callback: Callable[[int, float, FloatArray, FloatArray, StepReport], object]) -> None:
         """Call ``callback(step, t, q, v, report)`` for row 0 and after every step."""
         self.add_callback(callback)
+
+    def __repr__(self) -> str:
+        scheme = self._trajectory.provenance.integrator
+        return f"<TimeStepping {scheme}: t = {self.t:g} s, {self.steps} steps of {self.time_step:g} s>"
 
     def _close_file(self) -> None:
         if self._stream is not None:

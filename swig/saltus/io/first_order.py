@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import h5py
 
+from saltus import notebook
 from saltus.io.files import NewFile, unwritable
 from saltus.io.records import Loaded, Provenance, Rows
 
@@ -205,6 +206,9 @@ class FirstOrderTrajectory:
     def __repr__(self) -> str:
         span = f"t = {self.t[0]:g} ... {self.t[-1]:g} s" if len(self) else "empty"
         return f"<FirstOrderTrajectory {self.provenance.integrator}: {len(self)} rows, {span}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.first_order_run(self)
 
     def _float(self, name: str) -> FloatArray:
         column: FloatArray = self.columns()[name]

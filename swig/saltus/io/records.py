@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -173,6 +173,16 @@ class Scene:
 
     shapes: tuple[ShapeRecord, ...] = ()
     places: tuple[PlaceRecord, ...] = ()
+
+    def in_rows(self, rows: IntArray) -> Scene:
+        """The same in these rows (k,) alone."""
+        return Scene(
+            tuple(replace(shape, poses=shape.poses[rows]) for shape in self.shapes),
+            tuple(
+                replace(place, point=place.point[rows], directions=place.directions[rows])
+                for place in self.places
+            ),
+        )
 
 
 def plain(parameters: Mapping[str, Any]) -> dict[str, Any]:

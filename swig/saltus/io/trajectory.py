@@ -7,7 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from saltus.io.contact_states import Reactions, contact_states
+import numpy as np
+
+from saltus import notebook
+from saltus.io.contact_states import ContactState, Reactions, contact_states
 from saltus.io.csv import write_csv
 from saltus.io.hdf5 import read_run, write_run
 from saltus.io.records import (
@@ -49,6 +52,7 @@ class Trajectory:
         self._columns: Mapping[str, Any] = {}
         self._rows = -1  # of these columns
         self._run: Reactions | None = None  # of these columns
+        self._impacts: BoolArray | None = None  # likewise
         self._look = look
         self.layout = layout
         self.provenance = provenance
@@ -57,7 +61,7 @@ class Trajectory:
         """All columns, name: array with one entry or row for each row of the run."""
         if self._rows != self._source.rows:
             self._columns, self._rows = self._source.columns(), self._source.rows
-            self._run = None
+            self._run = self._impacts = None
         return self._columns
 
     def __len__(self) -> int:
@@ -178,6 +182,12 @@ class Trajectory:
         """What is seen in every row: shapes with their poses, contacts with their places."""
         return self._look if isinstance(self._look, Scene) else self._look.scene(self.t, self.q)
 
+    def scene_in(self, rows: IntArray) -> Scene:
+        """What is seen in these rows (k,) alone."""
+        if isinstance(self._look, Scene):
+            return self._look.in_rows(rows)
+        return self._look.scene(self.t[rows], self.q[rows])
+
     @property
     def shapes(self) -> tuple[ShapeRecord, ...]:
         """The shapes of the systems and around them, with their poses in every row."""
@@ -192,6 +202,34 @@ class Trajectory:
     def told_apart(self) -> bool:
         """Are there forces λ besides impulses Λ? Under Moreau-Jean all that acts is Λ, also at rest."""
         return self._reactions().told_apart
+
+    @property
+    def impacts(self) -> BoolArray:
+        """Was there an impact in the step? Under Moreau-Jean: of a contact that had been open (rows,)."""
+        if self.told_apart:
+            return self.impulsive
+        if self._impacts is None:
+            hit = [self[name].states == ContactState.IMPACT for name in self.contacts]
+            self._impacts = np.any(hit, axis=0)
+        return self._impacts
+
+    def reactions(self, name: str) -> tuple[FloatArray, FloatArray]:
+        """Forces [N] and impulses [N s] of a contact, each (rows of the run, rows of the contact).
+
+        They are its `force` and `impulse`. Under Moreau-Jean, where all that acts is Λ, Λ/Δt is the force in
+        steps without an impact of the contact, and Λ the impulse of those with one.
+
+        Raises
+        ------
+        KeyError
+            If there is no contact of that name.
+        """
+        contact = self[name]
+        if self.told_apart:
+            return contact.force, contact.impulse
+        hit = (contact.states == ContactState.IMPACT)[:, None]
+        mean = contact.impulse / self.provenance.time_step
+        return np.where(hit, 0.0, mean), np.where(hit, contact.impulse, 0.0)
 
     def plot(
         self,
@@ -296,6 +334,42 @@ class Trajectory:
         """
         return write_run(path, self._source, self.layout, self.provenance, self.scene)
 
+    def to_vtk(self, folder: str | os.PathLike[str], every: int | None = None) -> list[Path]:
+        """Write shapes and contacts for ParaView: a file of VTK for each frame, and collections with times.
+
+        ``bodies.pvd`` has lines and faces of all shapes where they are. Data of points: velocity (3,), the
+        mean since the row before [m/s]; of lines and faces: system, -1 around the systems, shape, and kind,
+        a number of ``kinds``.
+
+        ``contacts.pvd`` has the contacts whose place is known as points. Their data: contact, a number of
+        ``contacts``; gap [m], of an equality with several rows the first; state, a number of ``states``;
+        force [N] and impulse [N s] (3,) on the contact's first system, see `reactions`; direction0,
+        direction1, direction2 (3,), along which its rows push, the normal first.
+
+        Parameters
+        ----------
+        folder : it is made if it is not there; frames of an earlier export into it are removed
+        every : every n-th row is a frame, and all with an impact; by default 300 rows evenly, and those with
+            an impact, of more than 300 those with the largest impulses
+
+        Returns
+        -------
+        list of Path
+            The collections, which ParaView opens.
+
+        Raises
+        ------
+        ImportError
+            If the package vtk is missing.
+        ValueError
+            If the run has no rows, or neither shapes nor places of contacts, or every is less than 1.
+        OSError
+            If a file cannot be written.
+        """
+        from saltus.io.vtk import write_vtk
+
+        return write_vtk(self, folder, every)
+
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns as text (RFC 4180), an existing file is replaced as a whole.
 
@@ -313,6 +387,9 @@ class Trajectory:
         count = len(self)
         span = f"t = {self.t[0]:g} ... {self.t[-1]:g} s" if count else "empty"
         return f"<Trajectory {self.provenance.integrator}: {count} rows, {span}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.run(self)
 
     def _reactions(self) -> Reactions:
         columns = self.columns()

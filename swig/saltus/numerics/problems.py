@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import sparse
 
-from saltus import _core, registry
+from saltus import _core, notebook, registry
 from saltus._core import Coulomb, Equality, NonNegative, ProblemSolution
 
 if TYPE_CHECKING:
@@ -97,6 +97,9 @@ class Problem:
     def sets(self) -> Sets:
         """The laws in the order of the rows."""
         raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        return notebook.problem(self)
 
     def _stored(self) -> Matrix:
         """The matrix as the solvers take it: sparse ones stay so where that pays."""

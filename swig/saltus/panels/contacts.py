@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from saltus.io import ContactRecord, Trajectory
-    from saltus.typing import BoolArray, FloatArray, StateArray
+    from saltus.typing import FloatArray, StateArray
 
 BLOCK = 65536  #: rows that are summed at a time
 MOST_CONES = 4  #: more contacts than that are drawn without their friction cones
@@ -68,31 +68,9 @@ def _pressed(trajectory: Trajectory) -> FloatArray:
     return np.array([total[slot.row : slot.row + slot.gaps].sum() for slot in slots])
 
 
-def impacts(trajectory: Trajectory, contacts: Sequence[str] | None = None) -> BoolArray:
-    """Rows (rows,) with an impact, under Moreau-Jean one of the contacts that are drawn."""
-    if trajectory.told_apart:
-        return trajectory.impulsive
-    hit = np.zeros(len(trajectory), dtype=np.bool_)
-    for name in chosen(trajectory, contacts):
-        hit |= trajectory[name].states == ContactState.IMPACT
-    return hit
-
-
-def mark_impacts(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
+def mark_impacts(ax: Axes, trajectory: Trajectory) -> None:
     """Grey lines at the impacts."""
-    mark_times(ax, trajectory.t[impacts(trajectory, contacts)])
-
-
-def reactions(trajectory: Trajectory, contact: ContactRecord) -> tuple[FloatArray, FloatArray]:
-    """Forces [N] and impulses [N s] of a contact, each (rows of the run, rows of the contact).
-
-    Under Moreau-Jean Λ/Δt is the force in steps without an impact of the contact, else Λ is the impulse.
-    """
-    if trajectory.told_apart:
-        return contact.force, contact.impulse
-    hit = (contact.states == ContactState.IMPACT)[:, None]
-    mean = contact.impulse / trajectory.provenance.time_step
-    return np.where(hit, 0.0, mean), np.where(hit, contact.impulse, 0.0)
+    mark_times(ax, trajectory.t[trajectory.impacts])
 
 
 def gaps(
@@ -116,7 +94,7 @@ def velocities(
     names = chosen(trajectory, contacts)
     for contact, style in _styled(trajectory, names):
         _normal(ax, trajectory.t, contact, contact.velocity, style)
-    mark_impacts(ax, trajectory, names)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel("velocity γ_N [m/s]")
     _finish(ax, trajectory, names, legend)
 
@@ -128,10 +106,10 @@ def forces(
     names = chosen(trajectory, contacts)
     carries = False
     for contact, style in _styled(trajectory, names):
-        force = reactions(trajectory, contact)[0]
+        force = trajectory.reactions(contact.name)[0]
         carries |= bool(force.any())
         _normal(ax, trajectory.t, contact, force, style)
-    mark_impacts(ax, trajectory, names)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel(f"force {_force(trajectory, carries, 'N')} [N]")
     _finish(ax, trajectory, names, legend)
 
@@ -145,7 +123,7 @@ def impulses(
     """
     names = chosen(trajectory, contacts)
     for contact, style in _styled(trajectory, names):
-        impulse = reactions(trajectory, contact)[1][:, : contact.gap.shape[1]]
+        impulse = trajectory.reactions(contact.name)[1][:, : contact.gap.shape[1]]
         _stems(ax, trajectory.t, impulse[:, 0] if impulse.shape[1] == 1 else _length_of(impulse), style)
     ax.set_ylabel("impulse Λ_N [N s]")
     _finish(ax, trajectory, names, legend)
@@ -156,7 +134,7 @@ def sliding(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = N
     names = with_tangents(trajectory, contacts)
     for contact, style in _styled(trajectory, names):
         curve(ax, trajectory.t, _tangential(contact, contact.velocity), **style)
-    mark_impacts(ax, trajectory, names)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel(_tangent_label(trajectory, names, "velocity", "γ_T", "m/s"))
 
 
@@ -166,7 +144,7 @@ def friction(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = 
     t = trajectory.t
     carries = False
     for contact, style in _styled(trajectory, names):
-        force = reactions(trajectory, contact)[0]
+        force = trajectory.reactions(contact.name)[0]
         carries |= bool(force.any())
         curve(ax, t, _tangential(contact, force), **style)
         if len(names) <= MOST_CONES:
@@ -174,7 +152,7 @@ def friction(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = 
             rows = extremes(limit)
             lower = 0.0 if _in_space(contact) else -limit[rows]
             ax.fill_between(t[rows], lower, limit[rows], color=style["color"], alpha=0.15, linewidth=0)
-    mark_impacts(ax, trajectory, names)
+    mark_impacts(ax, trajectory)
     ax.set_ylabel(_tangent_label(trajectory, names, "friction", _force(trajectory, carries, "T"), "N"))
 
 
@@ -182,7 +160,7 @@ def friction_impulses(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] 
     """Tangential impulse of every contact with friction, where there is one."""
     names = with_tangents(trajectory, contacts)
     for contact, style in _styled(trajectory, names):
-        _stems(ax, trajectory.t, _tangential(contact, reactions(trajectory, contact)[1]), style)
+        _stems(ax, trajectory.t, _tangential(contact, trajectory.reactions(contact.name)[1]), style)
     ax.set_ylabel(_tangent_label(trajectory, names, "impulse", "Λ_T", "N s"))
 
 
