@@ -235,6 +235,26 @@ def report(
 
 
 @app.command()
+def export(
+    run: Annotated[Path, typer.Argument(metavar="RUN.h5", help="A run in an HDF5 file.")],
+    vtk: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the files for ParaView.")],
+    every: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Every N-th row, and all with an impact; default: 300 rows, and at most 300 with an impact.",
+        ),
+    ] = None,
+) -> None:
+    """Write a run for ParaView: shapes and contacts with what acts in them, and their times."""
+    from saltus.io import read_hdf5
+
+    with _misuse():
+        for collection in read_hdf5(run).to_vtk(vtk, every):
+            Console(soft_wrap=True).print(str(collection), highlight=False)
+
+
+@app.command()
 def compare(
     model: ModelArgument,
     integrators: Integrators = "",
@@ -344,7 +364,7 @@ def _misuse() -> AbstractContextManager[None]:
 def _one_line(status: int) -> Iterator[None]:
     try:
         yield
-    except ValueError as error:
+    except (ValueError, ImportError) as error:
         _fail(str(error), status)
     except OSError as error:
         text = error.strerror or str(error)

@@ -13,10 +13,11 @@ from rich.console import Console
 
 from saltus import plot
 from saltus.cli import reproduce
-from saltus.cli.out import require_writable, save, write_json
+from saltus.cli.out import save, write_json
 from saltus.examples.slider_crank import slider_crank
 from saltus.examples.slider_crank.convergence import Row
 from saltus.io import Trajectory
+from saltus.io.files import writable_folder
 
 SCHEME = "HalfExplicitTrapezoidalOSI"
 SHORT = {
@@ -33,7 +34,7 @@ def run(out: Path) -> None:
     OSError
         If the folder cannot be written; nothing is computed then.
     """
-    require_writable(out)
+    writable_folder(out)
     rows = reproduce.compute("table3")
     reproduce.print_table("table3", rows)
     finest = min((row for row in rows if row.scheme == SCHEME), key=lambda row: row.dt)

@@ -15,24 +15,14 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from rich.console import Console
 
+from saltus.io.files import writable_folder
+
 LEAST_WIDTH = 200  #: of the tables: a pipe is taken for 80 columns, and numbers must not be cut
 
 
 def wide_console() -> Console:
     """Prints tables to stdout, as wide as they are."""
     return Console(width=max(Console().width, LEAST_WIDTH))
-
-
-def require_writable(out: Path) -> None:
-    """Make the folder and try it, before anything is computed."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".writable"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        reason = f"cannot write into '{out}': expected a writable folder, got: {error.strerror}"
-        raise OSError(error.errno or 0, reason) from error
 
 
 def require_targets(paths: Sequence[Path]) -> bool:
@@ -45,7 +35,7 @@ def require_targets(paths: Sequence[Path]) -> bool:
             continue
         if path.is_dir():
             raise ValueError(f"expected a file to write, got the folder '{path}'")
-        require_writable(path.parent)
+        writable_folder(path.parent)
     return bool(to_stdout)
 
 

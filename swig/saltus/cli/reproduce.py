@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from saltus.cli.out import require_writable, save, write_json
+from saltus.cli.out import save, write_json
 from saltus.cli.progress import progress_bar
 from saltus.examples.ball_in_box import figures as ball_in_box
 from saltus.examples.elastic_bar import figures as elastic_bar
@@ -25,6 +25,7 @@ from saltus.examples.slider_crank import convergence
 from saltus.examples.slider_crank import figures as slider_crank
 from saltus.examples.slider_crank.convergence import Row
 from saltus.examples.work_precision import work_precision
+from saltus.io.files import writable_folder
 
 TITLES = {
     "table2": "Table 2: bilateral slider crank until 0.1 s",
@@ -54,7 +55,7 @@ def run(what: str, out: Path, *, as_json: bool) -> None:
     OSError
         If the folder cannot be written; nothing is computed then.
     """
-    require_writable(out)
+    writable_folder(out)
     names = [*TITLES, *FIGURES] if what == "all" else [what]
     results = {}
     for name in names:

@@ -42,6 +42,26 @@ class NewFile:
         self.part.unlink(missing_ok=True)
 
 
+def writable_folder(path: str | os.PathLike[str]) -> Path:
+    """Make a folder, unless it is there, and try it.
+
+    Raises
+    ------
+    OSError
+        If files cannot be written into it.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        reason = f"cannot write into '{folder}': expected a writable folder, got: {error.strerror}"
+        raise OSError(error.errno or 0, reason) from error
+    return folder
+
+
 def unwritable(target: Path, error: Exception) -> OSError:
     """An error that names the target and says what was expected."""
     reason = getattr(error, "strerror", None) or str(error)
