@@ -47,6 +47,7 @@ def write_vtk(trajectory: Trajectory, folder: str | os.PathLike[str], every: int
     if scene.places:
         parts.append(("contacts", _Contacts(trajectory, scene.places, known).frame))
     target = writable_folder(folder)
+    _clear(target)
     return [_write_collection(target, name, trajectory, rows, frame) for name, frame in parts]
 
 
@@ -169,12 +170,18 @@ def _direction(place: PlaceRecord, at: int, number: int) -> FloatArray:
     return place.directions[at, number] if number < place.directions.shape[1] else np.zeros(3)
 
 
+def _clear(target: Path) -> None:
+    """Remove an earlier export."""
+    for name in ("bodies", "contacts"):
+        frames = [path for path in (target / name).glob("*.vtp") if FRAME.fullmatch(path.name)]
+        for path in [target / f"{name}.pvd", *frames]:
+            if path.is_file():
+                path.unlink()
+
+
 def _write_collection(target: Path, name: str, trajectory: Trajectory, rows: IntArray, frame: Frame) -> Path:
     """One file for each of these rows, and the collection of them, which is there when they are."""
     folder = writable_folder(target / name)
-    for stale in folder.iterdir():
-        if FRAME.fullmatch(stale.name):
-            stale.unlink()
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
     for row in rows.tolist():
