@@ -12,7 +12,16 @@ import numpy as np
 from matplotlib.patches import Patch
 
 from saltus.io.contact_states import ContactState
-from saltus.panels.drawing import MOST_LINES, PIECES, curve, extremes, legend_strip, mark_times
+from saltus.panels.drawing import (
+    LEGEND,
+    MOST_LINES,
+    PIECES,
+    curve,
+    extremes,
+    fitting_columns,
+    legend_strip,
+    mark_times,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -199,12 +208,14 @@ def states(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = No
         ax.set_yticks([])
     kinds = [kind for kind in ContactState if kind in seen]
     patches = [Patch(color=COLORS[kind], label=kind.name.lower()) for kind in kinds]
+    columns = fitting_columns(ax, [kind.name for kind in kinds], len(ContactState))
     ax.legend(
         handles=patches,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=len(ContactState),
+        ncols=columns,
         borderaxespad=0.2,
+        **LEGEND,
     )
 
 

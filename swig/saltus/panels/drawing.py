@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.font_manager import FontProperties
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 MOST_LINES = 12  #: more than that are drawn without a legend
 PIECES = 2000  #: of a curve with many rows, each drawn by its extremes: more than a picture has pixels
+LEGEND: Any = {"fontsize": "small", "frameon": False}
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 10,
@@ -26,8 +28,8 @@ STYLE: Any = {
     "axes.grid": True,
     "grid.alpha": 0.25,
     "lines.linewidth": 1.1,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
+    "legend.fontsize": LEGEND["fontsize"],
+    "legend.frameon": LEGEND["frameon"],
 }
 TIME = "time t [s]"
 
@@ -116,9 +118,19 @@ def mark_times(ax: Axes, times: FloatArray) -> None:
 def legend_strip(ax: Axes, columns: int = 4) -> None:
     """Legend in a strip above the data, of more than two lines above the axes."""
     low, high = ax.get_ylim()
-    lines = -(-len(ax.get_legend_handles_labels()[1]) // columns)
+    labels = ax.get_legend_handles_labels()[1]
+    columns = fitting_columns(ax, labels, columns)
+    lines = -(-len(labels) // columns)
     if lines > 2:
-        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
+        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2, **LEGEND)
         return
     ax.set_ylim(low, high + (0.05 + 0.15 * lines) * (high - low))
-    ax.legend(loc="upper center", ncols=columns)
+    ax.legend(loc="upper center", ncols=columns, **LEGEND)
+
+
+def fitting_columns(ax: Axes, labels: Sequence[str], most: int) -> int:
+    """Columns of a legend that are about as wide as the axes together, at most so many."""
+    size = FontProperties(size=LEGEND["fontsize"]).get_size_in_points() / 72  # [inch]
+    entry = size * (0.55 * max(map(len, labels), default=0) + 4.5)  # with its line
+    width = ax.get_window_extent().width / ax.figure.dpi
+    return max(1, min(most, int(width / entry)))
