@@ -62,6 +62,7 @@ def plot_trajectory(
     contacts: Sequence[str] | None = None,
 ) -> AxesArray:
     """See `Trajectory.plot`."""
+    trajectory = trajectory.loaded()
     names = chosen(trajectory, contacts)
     panels = ["positions", "gaps", "forces", "impulses", "energy"] if names else ["positions", "energy"]
     with canvas(axes, panels) as column:
@@ -80,6 +81,7 @@ def plot_contacts(
     contacts: Sequence[str] | None = None,
 ) -> AxesArray:
     """See `Trajectory.plot_contacts`."""
+    trajectory = trajectory.loaded()
     names = chosen(trajectory, contacts)
     if not names:
         raise ValueError("expected a run with contacts, or names of some, got none to draw")
@@ -102,6 +104,7 @@ def plot_contacts(
 
 def plot_energy(trajectory: Trajectory, axes: Axes | Sequence[Axes] | AxesArray | None = None) -> AxesArray:
     """See `Trajectory.plot_energy`."""
+    trajectory = trajectory.loaded()
     with canvas(axes, ["energies", "work", "defect"]) as column:
         energies(column[0], trajectory)
         work(column[1], trajectory)

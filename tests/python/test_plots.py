@@ -14,6 +14,8 @@ from saltus.examples.dry_friction import dry_friction
 from saltus.examples.rolling_sphere import rolling_sphere
 from saltus.examples.slider_crank import slider_crank
 from saltus.io import ContactState
+from saltus.io.hdf5 import RunFile
+from saltus.io.records import UNITS
 from saltus.panels.contacts import COLORS
 from saltus.panels.drawing import PIECES, extremes
 from test_models import ball
@@ -270,12 +272,18 @@ def test_names_are_shown_as_they_are(tmp_path):
     ]
 
 
-def test_a_run_in_a_file_is_drawn_while_it_goes_on(tmp_path):
+def test_a_run_in_a_file_is_drawn_while_it_goes_on(tmp_path, monkeypatch):
     simulation = sk.TimeStepping(bouncing_ball.build(), SCHEME, 1e-3, file=tmp_path / "run.h5")
     for _ in range(600):
         simulation.step()
+    read = []
+    inner = RunFile.read
+    monkeypatch.setattr(
+        RunFile, "read", lambda self, name, rows: read.append(name) or inner(self, name, rows)
+    )
     axes = simulation.trajectory.plot()
     assert len(axes[1].lines[0].get_ydata()) == 601
+    assert sorted(read) == sorted(UNITS)
 
 
 def test_units_of_gaps_suit_the_largest():

@@ -17,6 +17,7 @@ from saltus.io.records import (
     CONTACT_COLUMNS,
     ContactRecord,
     Layout,
+    Loaded,
     PlaceRecord,
     Provenance,
     Rows,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from saltus.scene import Appearance
-    from saltus.typing import AxesArray, BoolArray, FloatArray, IntArray
+    from saltus.typing import AxesArray, BoolArray, FloatArray, IntArray, StateArray
 
 
 NOTHING = Scene()  #: that is seen
@@ -52,7 +53,7 @@ class Trajectory:
         self._columns: Mapping[str, Any] = {}
         self._rows = -1  # of these columns
         self._run: Reactions | None = None  # of these columns
-        self._impacts: BoolArray | None = None  # likewise
+        self._states: dict[str, StateArray] = {}  # likewise
         self._look = look
         self.layout = layout
         self.provenance = provenance
@@ -61,8 +62,14 @@ class Trajectory:
         """All columns, name: array with one entry or row for each row of the run."""
         if self._rows != self._source.rows:
             self._columns, self._rows = self._source.columns(), self._source.rows
-            self._run = self._impacts = None
+            self._run = None
+            self._states = {}
         return self._columns
+
+    def loaded(self) -> Trajectory:
+        """The same run with all columns in memory, also if it is being written to a file."""
+        columns = dict(self.columns())
+        return Trajectory(Loaded(len(columns["t"]), columns), self.layout, self.provenance, self._look)
 
     def __len__(self) -> int:
         return self._source.rows
@@ -77,9 +84,7 @@ class Trajectory:
         rows = slice(slot.row, slot.row + slot.rows)
         gaps = slice(slot.gap, slot.gap + slot.gaps)
         parts = {key: columns[key][:, gaps if key == "gap" else rows] for key in CONTACT_COLUMNS}
-        return ContactRecord(
-            name, **parts, law=slot.law, find_states=lambda: contact_states(columns, slot, self._reactions())
-        )
+        return ContactRecord(name, **parts, law=slot.law, find_states=lambda: self._states_of(name))
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -208,10 +213,10 @@ class Trajectory:
         """Was there an impact in the step? Under Moreau-Jean: of a contact that had been open (rows,)."""
         if self.told_apart:
             return self.impulsive
-        if self._impacts is None:
-            hit = [self[name].states == ContactState.IMPACT for name in self.contacts]
-            self._impacts = np.any(hit, axis=0)
-        return self._impacts
+        hit = np.zeros(len(self), dtype=np.bool_)
+        for name in self.contacts:
+            hit |= self._states_of(name) == ContactState.IMPACT
+        return hit
 
     def reactions(self, name: str) -> tuple[FloatArray, FloatArray]:
         """Forces [N] and impulses [N s] of a contact, each (rows of the run, rows of the contact).
@@ -396,6 +401,13 @@ class Trajectory:
         if self._run is None:
             self._run = Reactions.of(columns)
         return self._run
+
+    def _states_of(self, name: str) -> StateArray:
+        columns = self.columns()
+        if name not in self._states:
+            self._states[name] = contact_states(columns, self.layout.contacts[name], self._reactions())
+            self._states[name].flags.writeable = False
+        return self._states[name]
 
     def _int(self, name: str) -> IntArray:
         column: IntArray = self.columns()[name]

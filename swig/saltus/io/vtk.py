@@ -31,6 +31,7 @@ FRAME = re.compile(r"\d{8}\.vtp")
 def write_vtk(trajectory: Trajectory, folder: str | os.PathLike[str], every: int | None) -> list[Path]:
     """See `Trajectory.to_vtk`."""
     _require_vtk()
+    trajectory = trajectory.loaded()
     rows = frames_of(trajectory, every)
     before = np.where(rows > 0, rows - 1, min(1, len(trajectory) - 1))
     known = np.union1d(rows, before)

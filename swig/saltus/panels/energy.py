@@ -45,7 +45,7 @@ def work(ax: Axes, trajectory: Trajectory) -> None:
     shock = np.cumsum(trajectory.work_impulse)
     if every_step(trajectory):
         curve(ax, t, np.cumsum(trajectory.work_forces), color="C2", label="forces h")
-        curve(ax, t, np.cumsum(trajectory.work_lambda), color="C4", label="contact forces λ")
+        curve(ax, t, np.cumsum(trajectory.work_lambda), color="C4", label="contacts λ")
     else:
         curve(ax, t, gained - shock, color="C2", label="forces h and λ")
     curve(ax, t, shock, color="C3", label="impulses Λ")
