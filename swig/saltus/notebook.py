@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         ProblemSolution,
     )
     from saltus.first_order import FirstOrderSystem
-    from saltus.io import FirstOrderTrajectory, Layout, Trajectory
+    from saltus.io import ContactRecord, FirstOrderTrajectory, Layout, Trajectory
     from saltus.kernel import CheckReport, NonSmoothDynamicalSystem
     from saltus.numerics import Problem
 
@@ -269,6 +269,22 @@ def _contacts(layout: Layout) -> str:
         for name, slot in list(layout.contacts.items())[:MOST_ROWS]
     ]
     return table(("contact or constraint", "rows", "law", "ε_N", "ε_T", "μ"), rows, len(layout.contacts))
+
+
+def contact(record: ContactRecord) -> str:
+    """HTML of what happened in a contact: extremes, and in how many rows it was in which state."""
+    from saltus.io.contact_states import ContactState  # whose records are shown by this module
+
+    codes, counts = np.unique(record.states, return_counts=True)
+    names = {state.value: state.name.lower() for state in ContactState}
+    facts = {
+        **{name: value for name, value in asdict(record.law).items() if value is not None},
+        "smallest gap [m]": float(record.gap.min(initial=np.inf)),
+        "largest force [N]": float(np.abs(record.force).max(initial=0.0)),
+        "largest impulse [N s]": float(np.abs(record.impulse).max(initial=0.0)),
+    }
+    rows = [(names[code], count) for code, count in zip(codes.tolist(), counts.tolist(), strict=True)]
+    return card(f"{type_name(record)} of {record.name}", facts, table(("state", "rows"), rows, len(rows)))
 
 
 def solution(found: ProblemSolution) -> str:

@@ -8,6 +8,7 @@ import pytest
 import saltus.kernel as sk
 import saltus.numerics as sn
 from saltus.examples.disc_pile import disc_pile
+from saltus.examples.dry_friction import dry_friction
 from test_models import Circle, Pendulum, ball
 
 
@@ -131,6 +132,17 @@ def test_a_run_is_shown_without_reading_it():
     )()
     trajectory._repr_html_()
     assert set(read) == {"t"}
+
+
+def test_a_contact_is_shown_with_its_extremes_and_states():
+    trajectory = sk.TimeStepping(dry_friction.block(0.2), "HalfExplicitTrapezoidalOSI", 1e-3).run(3.0)
+    plane = trajectory["plane"]
+    assert repr(plane) == "<ContactRecord 'plane': NewtonImpactFrictionNSL, 3001 rows>"
+    title, rows = shown(plane)
+    assert title == "ContactRecord of plane"
+    assert facts(rows)["largest force [N]"] == f"{2.0 * 9.81 * np.cos(0.2):g}"
+    assert facts(rows)["friction"] == "0.3"
+    assert rows[-3:] == [["state", "rows"], ["stick", "862"], ["slip", "2139"]]
 
 
 def test_first_order_models_and_runs():

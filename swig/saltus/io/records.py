@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from saltus import notebook
 from saltus._core import __version__, rotation_matrix, run_columns
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ class Provenance:
     created: str = field(default_factory=lambda: datetime.now(timezone.utc).isoformat())  #: start, wall clock
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ContactRecord:
     """What happened in one contact, each array (rows of the run, rows of the contact)."""
 
@@ -116,12 +117,18 @@ class ContactRecord:
     force: FloatArray  #: mean over the step [N], of the scheme's order where λ⁺ and λ⁻ are each of first
     impulse: FloatArray  #: Λ at its end [N s]
     law: ContactLaw
-    find_states: Callable[[], StateArray] = field(repr=False)
+    find_states: Callable[[], StateArray]
 
     @property
     def states(self) -> StateArray:
         """Open, closed, sticking, slipping, impact or held: codes of `ContactState`, (rows,) of int8."""
         return self.find_states()
+
+    def __repr__(self) -> str:
+        return f"<ContactRecord {self.name!r}: {self.law.name}, {notebook.counted(len(self.gap), 'row')}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.contact(self)
 
 
 @dataclass(frozen=True)
