@@ -236,10 +236,16 @@ def test_a_frame_that_cannot_be_written(tmp_path):
 
 @pytest.mark.parametrize(
     ("file", "message"),
-    [("text.h5", "expected an HDF5 file"), ("missing.h5", "cannot read")],
+    [
+        ("text.h5", "expected an HDF5 file"),
+        ("missing.h5", "cannot read"),
+        ("run.h5", "need the package vtk: pip install 'saltus[vtk]'"),
+    ],
 )
-def test_the_command_tells_what_is_wrong_in_a_line(file, message, tmp_path):
+def test_the_command_tells_what_is_wrong_in_a_line(file, message, tmp_path, monkeypatch):
     (tmp_path / "text.h5").write_text("not HDF5")
+    falling(until=0.1).to_hdf5(tmp_path / "run.h5")
+    monkeypatch.setitem(sys.modules, "vtkmodules.vtkIOXML", None)
     done = CliRunner().invoke(app, ["export", str(tmp_path / file), "--vtk", str(tmp_path / "out")])
     assert done.exit_code == 2
     assert message in done.stderr

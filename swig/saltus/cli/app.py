@@ -250,7 +250,11 @@ def export(
     from saltus.io import read_hdf5
 
     with _misuse():
-        for collection in read_hdf5(run).to_vtk(vtk, every):
+        try:
+            collections = read_hdf5(run).to_vtk(vtk, every)
+        except ImportError as error:
+            raise ValueError(str(error)) from error
+        for collection in collections:
             Console(soft_wrap=True).print(str(collection), highlight=False)
 
 
@@ -364,7 +368,7 @@ def _misuse() -> AbstractContextManager[None]:
 def _one_line(status: int) -> Iterator[None]:
     try:
         yield
-    except (ValueError, ImportError) as error:
+    except ValueError as error:
         _fail(str(error), status)
     except OSError as error:
         text = error.strerror or str(error)
