@@ -157,3 +157,21 @@ def test_rounding_is_no_impact():
     columns["impulse"][20, run.layout.contacts["2 on 0"].row] = 1.0
     noisy = Trajectory(Loaded(len(run), columns), run.layout, run.provenance)
     assert np.flatnonzero(noisy["2 on 0"].states == IMPACT).tolist() == [20]
+
+
+@pytest.mark.parametrize("scheme", ["HalfExplicitTrapezoidalOSI", "MoreauJeanOSI"])
+def test_forces_and_impulses_are_told_apart(scheme):
+    time_step = 1e-3
+    run = sk.TimeStepping(bouncing_ball.build(), scheme, time_step).run(4.5)
+    floor = run["floor"]
+    force, impulse = run.reactions("floor")
+    np.testing.assert_array_equal(run.impacts, floor.states == IMPACT)
+    np.testing.assert_array_equal(run.impacts, impulse[:, 0] != 0.0)
+    assert run.told_apart == (scheme != "MoreauJeanOSI")
+    np.testing.assert_allclose(
+        force * time_step + impulse, floor.force * time_step + floor.impulse, rtol=1e-15
+    )
+    np.testing.assert_allclose(force[-100:], bouncing_ball.MASS * bouncing_ball.GRAVITY)
+    loaded = run.loaded()
+    assert loaded.layout is run.layout
+    np.testing.assert_array_equal(loaded["floor"].states, floor.states)
