@@ -12,12 +12,12 @@ from saltus.panels.contacts import (
     friction,
     friction_impulses,
     gaps,
+    has_tangents,
     impulses,
     mark_impacts,
     sliding,
     states,
     velocities,
-    with_tangents,
 )
 from saltus.panels.drawing import STYLE, canvas, curves, grid, legend_strip
 from saltus.panels.energy import defect, energies, energy, work
@@ -86,7 +86,7 @@ def plot_contacts(
     if not names:
         raise ValueError("expected a run with contacts, or names of some, got none to draw")
     panels = ["gaps", "velocities", "forces", "impulses", "states"]
-    tangents = bool(with_tangents(trajectory, names))
+    tangents = any(has_tangents(trajectory[name]) for name in names)
     if tangents:
         panels += ["sliding", "friction", "friction impulses"]
     with canvas(axes, panels, columns=1 + tangents) as each:

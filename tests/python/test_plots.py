@@ -186,6 +186,20 @@ def test_equalities_are_drawn_with_all_their_rows():
     assert [state for _, state, *_ in bands(band)] == 3 * [ContactState.HELD]
 
 
+def test_a_contact_has_its_colour_in_all_panels():
+    point = sk.LagrangianLinearTIDS([0.0, 0.0], [1.0, 0.0], np.eye(2), external_force=[0.0, -9.81])
+    system = sk.NonSmoothDynamicalSystem([point])
+    wall = sk.LagrangianLinearTIR([[-1.0, 0.0]], [9.0])
+    system.link(sk.Interaction(wall, sk.NewtonImpactNSL(0.5), "wall"), point)
+    floor = sk.LagrangianLinearTIR([[0.0, 1.0], [1.0, 0.0]])
+    system.link(sk.Interaction(floor, sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.1, 2), "floor"), point)
+    gap, _, force, _, band, slip, friction, _ = run(system).plot_contacts()
+    assert [line.get_color() for line in gap.lines[:2]] == ["C0", "C1"]
+    assert [line.get_color() for line in (*slip.lines, *friction.lines)] == ["C1", "C1"]
+    assert [text.get_color() for text in band.get_yticklabels()] == ["C0", "C1"]
+    assert force.lines[1].get_linestyle() == friction.lines[0].get_linestyle() == "--"
+
+
 def test_long_runs_are_drawn_by_their_extremes():
     values = np.sin(np.linspace(0.0, 40.0, 1_000_003))
     values[[123_457, 876_543]] = 9.0, -9.0

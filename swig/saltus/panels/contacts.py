@@ -140,8 +140,8 @@ def impulses(
 
 def sliding(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
     """Tangential velocity γ_T of every contact with friction."""
-    names = with_tangents(trajectory, contacts)
-    for contact, style in _styled(trajectory, names):
+    names = chosen(trajectory, contacts)
+    for contact, style in _with_tangents(trajectory, names):
         curve(ax, trajectory.t, _tangential(contact, contact.velocity), **style)
     mark_impacts(ax, trajectory)
     ax.set_ylabel(_tangent_label(trajectory, names, "velocity", "γ_T", "m/s"))
@@ -149,14 +149,14 @@ def sliding(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = N
 
 def friction(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
     """Tangential force of every contact with friction, and the cone |λ_T| ≤ μ λ_N of a few."""
-    names = with_tangents(trajectory, contacts)
-    t = trajectory.t
+    names, t = chosen(trajectory, contacts), trajectory.t
     carries = False
-    for contact, style in _styled(trajectory, names):
+    drawn = list(_with_tangents(trajectory, names))
+    for contact, style in drawn:
         force = trajectory.reactions(contact.name)[0]
         carries |= bool(force.any())
         curve(ax, t, _tangential(contact, force), **style)
-        if len(names) <= MOST_CONES:
+        if len(drawn) <= MOST_CONES:
             limit = (contact.law.friction or 0.0) * force[:, 0]
             rows = extremes(limit)
             lower = 0.0 if _in_space(contact) else -limit[rows]
@@ -167,35 +167,17 @@ def friction(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = 
 
 def friction_impulses(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
     """Tangential impulse of every contact with friction, where there is one."""
-    names = with_tangents(trajectory, contacts)
-    for contact, style in _styled(trajectory, names):
+    names = chosen(trajectory, contacts)
+    for contact, style in _with_tangents(trajectory, names):
         _stems(ax, trajectory.t, _tangential(contact, trajectory.reactions(contact.name)[1]), style)
     ax.set_ylabel(_tangent_label(trajectory, names, "impulse", "Λ_T", "N s"))
-
-
-def with_tangents(trajectory: Trajectory, contacts: Sequence[str] | None) -> list[str]:
-    """Those of the contacts to draw that have tangential rows."""
-    slots = trajectory.layout.contacts
-    return [name for name in chosen(trajectory, contacts) if slots[name].rows > slots[name].gaps]
 
 
 def states(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = None) -> None:
     """A band for each contact, coloured by its state over time."""
     names = chosen(trajectory, contacts)
-    seen: set[int] = set()
     for index, name in enumerate(names):
-        found = trajectory[name].states
-        hits = trajectory.t[found == ContactState.IMPACT]
-        ax.vlines(
-            hits[extremes(hits)], index - 0.4, index + 0.4, color=COLORS[ContactState.IMPACT], linewidth=0.8
-        )
-        start, end, state = _phases(trajectory.t, found)
-        for code in np.unique(state):
-            spans = np.column_stack([start, end - start])[state == code]
-            ax.broken_barh(
-                spans, (index - 0.4, 0.8), color=COLORS[ContactState(int(code))], linewidth=0, zorder=1.5
-            )
-        seen.update(np.unique(found).tolist())
+        _band(ax, trajectory.t, trajectory[name].states, index)
     _count(ax, trajectory, names, "left")
     ax.grid(False)
     spare = max(0.0, 1.5 - len(names) / 2)  # above and below one or two bands
@@ -206,14 +188,28 @@ def states(ax: Axes, trajectory: Trajectory, contacts: Sequence[str] | None = No
             text.set_color(f"C{index % 10}")
     else:
         ax.set_yticks([])
-    kinds = [kind for kind in ContactState if kind in seen]
-    patches = [Patch(color=COLORS[kind], label=kind.name.lower()) for kind in kinds]
-    columns = fitting_columns(ax, [kind.name for kind in kinds], len(ContactState))
+    seen = {code for name in names for code in np.unique(trajectory[name].states).tolist()}
+    _legend_of_states(ax, [state for state in ContactState if state in seen])
+
+
+def _band(ax: Axes, t: FloatArray, states: StateArray, index: int) -> None:
+    hits = t[states == ContactState.IMPACT]
+    low, high = index - 0.4, index + 0.4
+    ax.vlines(hits[extremes(hits)], low, high, color=COLORS[ContactState.IMPACT], linewidth=0.8)
+    start, end, state = _phases(t, states)
+    for code in np.unique(state):
+        spans = np.column_stack([start, end - start])[state == code]
+        color = COLORS[ContactState(int(code))]
+        ax.broken_barh(spans, (low, high - low), color=color, linewidth=0, zorder=1.5)
+
+
+def _legend_of_states(ax: Axes, states: Sequence[ContactState]) -> None:
+    names = [state.name.lower() for state in states]
     ax.legend(
-        handles=patches,
+        handles=[Patch(color=COLORS[state], label=name) for state, name in zip(states, names, strict=True)],
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=columns,
+        ncols=fitting_columns(ax, names, len(ContactState)),
         borderaxespad=0.2,
         **LEGEND,
     )
@@ -246,6 +242,18 @@ def _styled(trajectory: Trajectory, names: Sequence[str]) -> Iterator[tuple[Cont
     for index, name in enumerate(names):
         dashes = ("-", "--", ":", "-.")[index % 2 + 2 * (index // 10 % 2)]
         yield trajectory[name], {"color": f"C{index % 10}", "linestyle": dashes, "label": label(name)}
+
+
+def _with_tangents(
+    trajectory: Trajectory, names: Sequence[str]
+) -> Iterator[tuple[ContactRecord, dict[str, str]]]:
+    """Those with tangential rows, styled as among all."""
+    return ((contact, style) for contact, style in _styled(trajectory, names) if has_tangents(contact))
+
+
+def has_tangents(contact: ContactRecord) -> bool:
+    """True if it has rows besides those with a gap."""
+    return bool(contact.velocity.shape[1] > contact.gap.shape[1])
 
 
 def _normal(
