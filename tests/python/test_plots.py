@@ -24,7 +24,8 @@ SCHEME = "HalfExplicitTrapezoidalOSI"
 
 
 @pytest.fixture(autouse=True)
-def _figures_are_closed():
+def _no_other_figures():
+    plt.close("all")
     yield
     plt.close("all")
 
