@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 DOCS = Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
-AT_THE_ROOT = {ROOT / "README.md": DOCS / "index.md", ROOT / "CONTRIBUTING.md": DOCS / "contributing.md"}
+AT_THE_ROOT = {
+    ROOT / "README.md": DOCS / "index.md",
+    ROOT / "CONTRIBUTING.md": DOCS / "contributing.md",
+    ROOT / "examples": DOCS / "gallery.md",
+}
 INCLUDE = re.compile(r"^```\{include\} (\S+)\n```$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s#:]+)(#[\w-]+)?\)")
 
@@ -29,10 +33,8 @@ def on_the_site(text: str, folder: Path, page: Path) -> str:
         target, anchor = (folder / found[1]).resolve(), found[2] or ""
         if not target.exists():
             return found[0]
-        if target.is_relative_to(ROOT / "examples"):
-            name = target.relative_to(ROOT / "examples").parts[0]
-            if target in (ROOT / "examples" / name / f"{name}.py", ROOT / "examples" / name):
-                return f"](#example-{name.replace('_', '-')})"
+        if target.parent.parent == ROOT / "examples" and target.stem == target.parent.name:
+            return f"](#example-{target.stem.replace('_', '-')})"
         target = AT_THE_ROOT.get(target, target)
         return f"]({Path(os.path.relpath(target, page.parent)).as_posix()}{anchor})"
 

@@ -55,14 +55,14 @@ def run(out: Path) -> None:
 def picture(trajectory: Trajectory, rows: Sequence[Row]) -> Figure:
     """Mechanism, gaps, forces, impulses, energy and convergence of the slider crank."""
     with plt.rc_context(plot.STYLE):
-        figure, axes = plt.subplots(3, 2, figsize=(11, 10), layout="constrained")
-        mechanism, gaps, forces, impulses, energy, convergence = axes.flat
+        figure, axes = plt.subplots(2, 3, figsize=(14, 6.2), layout="constrained")
+        mechanism, gaps, energy, forces, impulses, convergence = axes.flat
         draw_mechanism(mechanism, trajectory)
         for ax, panel, title in [
-            (gaps, plot.gaps, "Gaps of the slider's corners: bouncing, then sliding along the walls"),
-            (forces, plot.forces, "Contact forces λ: only where a corner stays closed (grey: impacts)"),
-            (impulses, plot.impulses, "Impulses Λ: only at impacts, told apart from the forces"),
-            (energy, plot.energy, "Energy: lost at impacts and by friction"),
+            (gaps, plot.gaps, "Gaps of the corners: bouncing, then sliding"),
+            (forces, plot.forces, "Forces λ: only while a corner stays closed"),
+            (impulses, plot.impulses, "Impulses Λ: only at impacts"),
+            (energy, plot.energy, "Energy: lost at impacts (grey) and by friction"),
         ]:
             panel(ax, trajectory)
             ax.set_title(title, loc="left")
@@ -95,5 +95,5 @@ def draw_convergence(ax: Axes, rows: Sequence[Row]) -> None:
         )
     ax.set_xlabel("time step Δt [s]")
     ax.set_ylabel("error of the angles, spectral 2-norm")
-    ax.set_title("Convergence against the reference with Δt = 1e-7 s (Table 3)", loc="left")
+    ax.set_title("Error against Δt = 1e-7 s (Table 3)", loc="left")
     ax.legend()
