@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+sys.dont_write_bytecode = True  # the build writes into its own folder alone
 sys.path.insert(0, str(Path(__file__).parent / "site"))
 
 import saltus

@@ -23,20 +23,24 @@ AT_THE_ROOT = {
     ROOT / "examples": DOCS / "gallery.md",
 }
 INCLUDE = re.compile(r"^```\{include\} (\S+)\n```$", re.MULTILINE)
-LINK = re.compile(r"\]\(([^)\s#:]+)(#[\w-]+)?\)")
+LINK = re.compile(r"\[([^\[\]\n]*)\]\(([^)\s#:]+)(#[\w-]+)?\)")
 
 
 def on_the_site(text: str, folder: Path, page: Path) -> str:
-    """Markdown of a file in a folder, with links as they must be on a page."""
+    """Markdown of a file in a folder, with links as they must be on a page.
+
+    A link whose words are the name of a page gets its title instead.
+    """
 
     def link(found: re.Match[str]) -> str:
-        target, anchor = (folder / found[1]).resolve(), found[2] or ""
+        words, target, anchor = found[1], (folder / found[2]).resolve(), found[3] or ""
         if not target.exists():
             return found[0]
         if target.parent.parent == ROOT / "examples" and target.stem == target.parent.name:
-            return f"](#example-{target.stem.replace('_', '-')})"
+            return f"[{words}](#example-{target.stem.replace('_', '-')})"
         target = AT_THE_ROOT.get(target, target)
-        return f"]({Path(os.path.relpath(target, page.parent)).as_posix()}{anchor})"
+        words = "" if words.endswith(".md") else words
+        return f"[{words}]({Path(os.path.relpath(target, page.parent)).as_posix()}{anchor})"
 
     return LINK.sub(link, text)
 
