@@ -28,10 +28,17 @@ extensions = [
 exclude_patterns = ["site"]
 suppress_warnings = ["myst.strikethrough"]
 nitpicky = True
-# What is written in annotations and is none of ours, or has no page of its own.
+# Classes of other packages, and names of ours that only annotations know.
 nitpick_ignore_regex = [
-    (r"py:.*", r"(?!saltus\.).*"),
-    (r"py:.*", r"saltus\.(_core|typing|registry|functions|io\.records)\..*"),
+    (
+        r"py:.*",
+        r"(ArrayLike|Axes|Figure|ModuleType|(os|pathlib|types|collections|numpy|scipy|matplotlib)\..*)",
+    ),
+    (
+        r"py:.*",
+        r"(Sets|When|Rows|ContactImpulses|NonSmoothDynamicalSystemBase|ContactSlot|PlacedShape|Shape)",
+    ),
+    (r"py:.*", r"saltus\.(_core|registry|functions|io\.records)\..*"),
     (r"cpp:identifier", r".*"),
 ]
 

@@ -29,7 +29,9 @@ PUBLIC = (
     "saltus.compare",
     "saltus.models",
     "saltus.conformance",
+    "saltus.typing",
 )
+VALUES: dict[tuple[str, str], list[str]] = {}
 ENTRY = re.compile(r"^(\*{0,2}\w[\w, *]*) : (.*)$")
 
 
@@ -92,6 +94,10 @@ def docstring(app: Sphinx, what: str, name: str, obj: object, options: object, l
     for line, after in pairwise([*lines, ""]):
         if after.startswith("---"):
             section = line
+        below = found and not found[-1] and line not in ("", "Parameters") and not ENTRY.match(line)
+        if section == "Parameters" and below:  # a paragraph after the arguments
+            section = "Notes"
+            found += [section, "-----"]
         if section == "Parameters" and (entry := ENTRY.match(line)):
             found += [entry[1], f"    {entry[2]}"]
         elif line.startswith("    ") and not section:
@@ -100,6 +106,13 @@ def docstring(app: Sphinx, what: str, name: str, obj: object, options: object, l
             found.append(line if "`" in line else line.replace("|", r"\|"))
         before = line or before
     lines[:] = found
+    VALUES[what, name] = found
+
+
+def value(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Of a value, what napoleon was given: it takes words before a colon for a type."""
+    if what in ("property", "attribute", "data"):
+        lines[:] = VALUES[what, name]
 
 
 class Integrators(SphinxDirective):
@@ -140,4 +153,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-signature", signature)
     app.connect("missing-reference", public_name)
     app.connect("autodoc-process-docstring", docstring, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", value, priority=600)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -5,6 +5,7 @@ import re
 import shlex
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 import saltus.kernel as sk
 import typer
@@ -35,6 +36,7 @@ SCHEMES = {entry["name"]: entry["properties"] for entry in sk.integrators()}
 def test_python_blocks_run(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "page", "exec"), {})  # noqa: S102
+    plt.close("all")
 
 
 def test_there_are_blocks():
