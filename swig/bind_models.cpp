@@ -156,7 +156,7 @@ void bind_relations(py::module_& module) {
 `out` is zero at the call; q and v are read-only and reused: copy what you want to keep. For an
 interaction between two systems q is [q1; q2].
 
-Each of the first four can be a function instead, if q̇ = v, as in LagrangianDS.
+Each of them can be a function instead, if q̇ = v, as in LagrangianDS.
 
 Parameters
 ----------

@@ -48,7 +48,7 @@ class Missing(SphinxDirective):
 
     required_arguments = 1
     has_content = True
-    option_spec = dict.fromkeys(("members", "outline", "content-only"), lambda text: text)
+    option_spec = {"members": lambda text: text}
 
     def run(self) -> list[nodes.Node]:
         """Nothing."""
@@ -86,7 +86,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Join the build."""
     app.add_directive("doxygen-note", Note)
     if not doxygen_is_here:
-        for name in ("doxygenclass", "doxygenstruct", "doxygenfunction", "doxygentypedef", "doxygenenum"):
+        for name in ("doxygenclass", "doxygenstruct", "doxygenfunction", "doxygendefine"):
             app.add_directive(name, Missing)
     app.connect("config-inited", read_headers, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 import saltus
 import saltus.kernel as sk
@@ -15,6 +16,7 @@ import typer
 from matplotlib.figure import Figure
 from saltus.cli.app import app
 from saltus.examples.gallery import examples
+from saltus.examples.work_precision import model_costs
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -138,3 +140,23 @@ def test_examples_run_and_draw(name):
     assert shown.q.shape[0] == len(shown) > 1
     assert example.CAPTION.endswith(".")
     assert "  " not in example.CAPTION
+
+
+def test_the_costs_of_models_are_of_the_same_motions():
+    ends = [
+        sk.TimeStepping(model_costs.of_one(make)(), model_costs.TRAPEZOIDAL, 1e-3).run(0.2).q[-1]
+        for make in (
+            lambda: model_costs.Springs(*model_costs.START, np.eye(2)),
+            lambda: model_costs.SpringsWithMass(*model_costs.START),
+            lambda: model_costs.SpringsWithDerivatives(*model_costs.START),
+            lambda: sk.LagrangianLinearTIDS(*model_costs.START, np.eye(2), model_costs.STIFFNESS * np.eye(2)),
+        )
+    ]
+    assert np.ptp(ends, axis=0).max() < 1e-13
+
+
+def test_the_costs_of_models_are_printed(capsys):
+    model_costs.main(steps=400)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 5 + 4 + 4 + 1
+    assert all(float(cost) > 0 for line in lines for cost in re.findall(r" ([\d.e+]+)(?:,|$)", line))
