@@ -1,7 +1,7 @@
 """What a step costs by how a model is written: methods or compiled functions, linear, sparse, recorded.
 
-``python -m saltus.examples.work_precision.model_costs`` prints the figures of docs/fast-models.md: the time of
-a step [µs], the least of five runs, of which nothing is recorded where nothing else is said.
+``python -m saltus.examples.work_precision.model_costs`` prints the figures of docs/fast-models.md: the time
+of a step [µs], the least of five runs, of which nothing is recorded where nothing else is said.
 """
 
 from __future__ import annotations
