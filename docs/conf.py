@@ -26,7 +26,6 @@ extensions = [
     "cpp_api",
 ]
 exclude_patterns = ["site"]
-suppress_warnings = ["myst.strikethrough"]
 nitpicky = True
 # Classes of other packages, and names of ours that only annotations know.
 nitpick_ignore_regex = [

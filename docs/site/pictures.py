@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 from contextlib import redirect_stdout
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,7 @@ def folder_of(app: Sphinx, docname: str) -> Path:
     return folder
 
 
+@cache  # in a build
 def run_code(page: Path, folder: Path) -> None:
     """Run the Python of a page, each block on its own, in a folder where it saves pictures."""
     home = Path.cwd()
@@ -52,6 +54,16 @@ def run_code(page: Path, folder: Path) -> None:
         os.chdir(home)
 
 
+@cache
+def draw(name: str, file: Path) -> None:
+    """Run an example and draw it, and beside the picture write the page of the run."""
+    example = examples()[name]
+    shown = example.run()
+    example.picture(shown).savefig(file, dpi=DPI)
+    plt.close("all")
+    shown.report(file.with_suffix(".html"), title=title_of(name), caption=example.WATCH)
+
+
 class _Drawing(SphinxDirective):
     """What draws pictures."""
 
@@ -61,17 +73,12 @@ class _Drawing(SphinxDirective):
         uri = Path(os.path.relpath(picture, page.parent)).as_posix()
         return nodes.figure("", nodes.image(uri=uri, alt=alt), nodes.caption("", "", *caption))
 
-    def draw(self, name: str) -> Path:
-        """The picture of an example, drawn once in a build, and beside it the page of its run."""
+    def drawn(self, name: str) -> Path:
+        """The picture of an example."""
         file = folder_of(self.env.app, "gallery") / f"{name}.png"
-        drawn = self.env.app.drawn_examples  # type: ignore[attr-defined]
-        if name not in drawn:
-            example = examples()[name]
-            shown = example.run()
-            example.picture(shown).savefig(file, dpi=DPI)
-            plt.close("all")
-            shown.report(file.with_suffix(".html"), title=title_of(name), caption=example.WATCH)
-            drawn.add(name)
+        draw(name, file)
+        for source in files_of(name):
+            self.env.note_dependency(str(source))
         return file
 
     def text(self, text: str) -> list[nodes.Node]:
@@ -90,11 +97,9 @@ class Picture(_Drawing):
         """Draw it."""
         name, caption = self.arguments[0], " ".join(self.content)
         if not name.endswith(".png"):
-            return [self.figure(self.draw(name), self.text(caption), caption)]
+            return [self.figure(self.drawn(name), self.text(caption), caption)]
         folder = folder_of(self.env.app, self.env.docname)
-        if not (folder / name).exists() or self.env.docname not in self.env.app.drawn_pages:  # type: ignore[attr-defined]
-            run_code(Path(self.env.doc2path(self.env.docname)), folder)
-            self.env.app.drawn_pages.add(self.env.docname)  # type: ignore[attr-defined]
+        run_code(Path(self.env.doc2path(self.env.docname)), folder)
         if not (folder / name).exists():
             raise self.error(f"no code block of this page saves {name}")
         return [self.figure(folder / name, self.text(caption), caption)]
@@ -107,7 +112,7 @@ class Gallery(_Drawing):
         """Run and draw all of them; small pictures lead to the sections."""
         small = nodes.container(classes=["small-pictures"])
         for name in examples():
-            image = self.figure(self.draw(name), [], title_of(name))[0]
+            image = self.figure(self.drawn(name), [], title_of(name))[0]
             link = nodes.reference("", "", image, nodes.Text(title_of(name)), refuri=f"#{label_of(name)}")
             small += nodes.paragraph("", "", link)
         return [small, *(self.section(name, example) for name, example in examples().items())]
@@ -122,12 +127,11 @@ class Gallery(_Drawing):
         std.anonlabels[label] = (self.env.docname, label)
         lead = (example.__doc__ or "").split("\n\n")[0].replace("\n", " ")
         section += nodes.paragraph("", "", nodes.Text(lead))
-        section += self.figure(self.draw(name), [nodes.Text(example.CAPTION)], title)
+        section += self.figure(self.drawn(name), [nodes.Text(example.CAPTION)], title)
         page = nodes.reference("", "its motion in the browser", refuri=f"{RUNS}/{name}.html")
         section += nodes.paragraph("", "Watch ", page, nodes.Text(f". {example.WATCH}"))
-        section += nodes.literal_block(
-            f"python -m {example.__name__}", f"python -m {example.__name__}", language="sh"
-        )
+        command = f"python -m {example.__name__}"
+        section += nodes.literal_block(command, command, language="sh")
         sources = nodes.paragraph("", "Read it: ")
         for file in files_of(name):
             sources += [nodes.reference("", file.name, refuri=f"{page_of(file)}.html"), nodes.Text("  ")]
@@ -180,17 +184,10 @@ def copy_runs(app: Sphinx, error: Exception | None) -> None:
             shutil.copy(page, target)
 
 
-def prepare(app: Sphinx) -> None:
-    """Nothing is drawn yet."""
-    app.drawn_examples = set()  # type: ignore[attr-defined]
-    app.drawn_pages = set()  # type: ignore[attr-defined]
-
-
 def setup(app: Sphinx) -> dict[str, bool]:
     """Join the build."""
     app.add_directive("picture", Picture)
     app.add_directive("gallery", Gallery)
-    app.connect("builder-inited", prepare)
     app.connect("html-collect-pages", source_pages)
     app.connect("build-finished", copy_runs)
     return {"parallel_read_safe": False, "parallel_write_safe": True}
