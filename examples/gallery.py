@@ -2,7 +2,8 @@
 
 The module NAME/NAME.py of an example has a function ``run()``, which returns the run that it shows,
 ``picture(run())``, which draws it, ``CAPTION``, what should be seen there, and ``WATCH``, what should be seen
-in the page ``run().report(PATH)``.
+in the page ``run().report(PATH)``. Drawing takes a second to load: ``picture`` imports it, so that models do
+without.
 """
 
 from __future__ import annotations
