@@ -37,8 +37,8 @@ CAPTION = (
     "down to the right."
 )
 WATCH = (
-    "A pyramid of 78 discs slides to the right. The floor brakes the lowest row; forces run down through "
-    "the pile to the right. Moreau-Jean gives all of them as impulses, red."
+    "A pyramid of 78 discs slides to the right. The floor brakes the lowest row; forces, green, run down "
+    "through the pile to the right. Red are the impacts at the start and of contacts that close again."
 )
 
 

@@ -92,9 +92,10 @@ def _acting(
     trajectory: Trajectory, place: PlaceRecord, rows: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Point, force and impulse in space (rows, 3)."""
-    record, directions = trajectory[place.contact], place.directions[rows]
+    directions = place.directions[rows]
     known = directions.shape[1]
     force, impulse = (
-        np.einsum("rk,rkx->rx", values[rows, :known], directions) for values in (record.force, record.impulse)
+        np.einsum("rk,rkx->rx", values[rows, :known], directions)
+        for values in trajectory.reactions(place.contact)
     )
     return place.point[rows], force, impulse

@@ -85,7 +85,7 @@ def rows_of(trajectory: Trajectory, panels: Sequence[Panel], scene: Scene, size:
     most = max(size // (4 * numbers), FEWEST_ROWS)
     if total <= most:
         return np.arange(total)
-    hits = np.flatnonzero(trajectory.impulsive)
+    hits = np.flatnonzero(trajectory.impacts)
     if 2 * len(hits) > most // 2:  # the strongest
         strength = np.abs(trajectory.columns()["impulse"][hits]).sum(axis=1)
         hits = hits[np.argsort(strength, kind="stable")[-(most // 4) :]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -57,21 +57,24 @@ def panels_of(trajectory: Trajectory, contacts: Sequence[str]) -> list[Panel]:
 
 
 def _contact_panels(trajectory: Trajectory, contacts: Sequence[str]) -> list[Panel]:
-    kinds = [
-        ("Gaps g", "m", "lines", "gap", "Closed where g ≤ 0."),
+    mean = "Mean over the step."
+    if not trajectory.told_apart:
+        mean = "The scheme has impulses alone: Λ/Δt where there is no impact."
+    read: list[tuple[str, str, str, Callable[[str], FloatArray], str]] = [
+        ("Gaps g", "m", "lines", lambda name: trajectory[name].gap, "Closed where g ≤ 0."),
         (
             "Relative velocities γ",
             "m/s",
             "lines",
-            "velocity",
+            lambda name: trajectory[name].velocity,
             "N: normal, positive where it opens; T: tangential.",
         ),
-        ("Contact forces λ", "N", "lines", "force", "Mean over the step."),
-        ("Impulses Λ", "N s", "stems", "impulse", "At impacts."),
+        ("Contact forces λ", "N", "lines", lambda name: trajectory.reactions(name)[0], mean),
+        ("Impulses Λ", "N s", "stems", lambda name: trajectory.reactions(name)[1], "At impacts."),
     ]
     panels = []
-    for title, unit, kind, column, note in kinds:
-        records = [(name, getattr(trajectory[name], column)) for name in contacts]
+    for title, unit, kind, values_of, note in read:
+        records = [(name, values_of(name)) for name in contacts]
         lines = [
             Line(_label(name, k, values.shape[1]), name, k)
             for name, values in records

@@ -22,11 +22,11 @@ def summary_of(trajectory: Trajectory) -> dict[str, Lines]:
 
 
 def _run(trajectory: Trajectory) -> Lines:
-    t, impacts = trajectory.t, int(trajectory.impulsive.sum())
+    t, impacts = trajectory.t, int(trajectory.impacts.sum())
     lines = [
         ["time", f"{t[0]:g} s to {t[-1]:g} s"],
         ["steps", f"{int(trajectory.step[-1])} of {trajectory.provenance.time_step:g} s"],
-        ["impulsive steps", str(impacts)],
+        ["steps with an impact", str(impacts)],
         ["contacts", str(len(trajectory.contacts))],
     ]
     if len(trajectory) - 1 != int(trajectory.step[-1]):
