@@ -380,3 +380,18 @@ def test_what_the_captions_say():
     cradle = example_run("newtons_cradle")
     first = [np.flatnonzero(cradle[c].impulse[:, 0])[0] for c in cradle.contacts]
     assert first == sorted(first)
+
+
+def test_a_first_order_run(browser, tmp_path):
+    point = sk.FirstOrderLinearTIDS([1.0])
+    system = sk.FirstOrderSystem([point])
+    system.link(sk.FirstOrderLinearTIR([[1.0]], [[1.0]]), sk.RelayNSL(1, -1.0, 1.0), point, name="relay")
+    run = sk.FirstOrderTimeStepping(system, sk.EulerMoreauOSI(1.0), 1e-2).run(2.0)
+    page = Opened(browser, run.report(tmp_path / "relay.html", title="Relay"))
+    assert page.errors() == []
+    assert page("document.getElementById('animation').hidden")
+    titles = page("window.saltusPage.run.panels.map((panel) => panel.title)")
+    data = page("window.saltusPage.plots.plots.map((plot) => plot.data)")
+    states = data[titles.index("States x")][1]
+    np.testing.assert_allclose(states, run.x[:, 0], atol=1e-6)
+    assert max(data[titles.index("Multipliers λ")][1]) == pytest.approx(run.lambda_.max())

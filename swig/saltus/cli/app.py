@@ -225,12 +225,10 @@ def report(
     caption: Annotated[str | None, typer.Option(help="What there is to see.")] = None,
 ) -> None:
     """Write a page for the browser: animation, plots with zoom, and what each contact does."""
-    from saltus.io import read_hdf5
+    from saltus.io import read_any
 
     with _misuse():
-        page = read_hdf5(run).report(
-            out or run.with_suffix(".html"), title=title or run.stem, caption=caption
-        )
+        page = read_any(run).report(out or run.with_suffix(".html"), title=title or run.stem, caption=caption)
     Console(soft_wrap=True).print(str(page), highlight=False)
 
 

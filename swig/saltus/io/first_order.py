@@ -162,6 +162,28 @@ class FirstOrderTrajectory:
 
         return plot_first_order(self, axes)
 
+    def report(
+        self, path: str | os.PathLike[str], *, title: str | None = None, caption: str | None = None
+    ) -> Path:
+        """Write a page for the browser, plots with zoom, as `Trajectory.report` does.
+
+        Parameters
+        ----------
+        path : of the page, one HTML file that needs no network; an existing one is replaced as a whole
+        title : its heading; the integrator's name if it is left out
+        caption : what there is to see
+
+        Raises
+        ------
+        ValueError
+            If the run has no rows.
+        OSError
+            If the file cannot be written; what was there is untouched.
+        """
+        from saltus.report import write_report
+
+        return write_report(self, path, title, caption)
+
     def to_hdf5(self, path: str | os.PathLike[str]) -> Path:
         """Write all columns; an existing file is replaced as a whole.
 

@@ -20,7 +20,7 @@ from saltus.io.files import NewFile, unwritable
 from saltus.report.content import Content, content_of
 
 if TYPE_CHECKING:
-    from saltus.io import Trajectory
+    from saltus.io import FirstOrderTrajectory, Trajectory
 
 SIZES = (
     8_000_000,
@@ -33,7 +33,10 @@ SCRIPTS = ("data.js", "view.js", "scene.js", "timeline.js", "plots.js", "page.js
 
 
 def write_report(
-    trajectory: Trajectory, path: str | os.PathLike[str], title: str | None = None, caption: str | None = None
+    trajectory: Trajectory | FirstOrderTrajectory,
+    path: str | os.PathLike[str],
+    title: str | None = None,
+    caption: str | None = None,
 ) -> Path:
     """Write the page of a run and return where it is; an existing file is replaced as a whole.
 
@@ -64,7 +67,7 @@ def write_report(
     return file.target
 
 
-def _packed(trajectory: Trajectory) -> tuple[Content, bytes]:
+def _packed(trajectory: Trajectory | FirstOrderTrajectory) -> tuple[Content, bytes]:
     """As many rows as the page can carry."""
     for size in SIZES:
         content = content_of(trajectory, size)

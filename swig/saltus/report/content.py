@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from saltus.io import FirstOrderTrajectory, Trajectory
 from saltus.io.contact_states import ContactState
 from saltus.report.contacts import Arrows, arrows_of, intervals_of, ranking
-from saltus.report.panels import Panel, panels_of
-from saltus.report.summary import summary_of
+from saltus.report.panels import Panel, first_order_panels, panels_of
+from saltus.report.summary import first_order_summary, summary_of
 
 if TYPE_CHECKING:
-    from saltus.io import Scene, Trajectory
-    from saltus.typing import IntArray
+    from saltus.io import Scene
+    from saltus.typing import FloatArray, IntArray
 
 FEWEST_ROWS = 200
 MOST_SHAPES = 400
@@ -30,65 +31,90 @@ class Content:
     numbers: bytes
 
 
-def content_of(trajectory: Trajectory, most: int) -> Content:
-    """Of a run, with as many rows as about `most` bytes can hold.
+def content_of(run: Trajectory | FirstOrderTrajectory, size: int) -> Content:
+    """Of a run, with as many rows as about `size` bytes can hold.
 
     Raises
     ------
     ValueError
         If it has no rows, or times that are not finite.
     """
-    t = trajectory.t
-    if not len(t) or not np.isfinite(t).all():
-        raise ValueError(f"a report needs rows with finite times, got {len(t)} rows")
-    scene = trajectory.scene
-    contacts = ranking(trajectory)
-    panels = panels_of(trajectory, contacts)
-    rows = rows_of(trajectory, panels, scene, most)
+    if not len(run) or not np.isfinite(run.t).all():
+        raise ValueError(f"a report needs rows with finite times, got {len(run)} rows")
+    return _mechanical(run, size) if isinstance(run, Trajectory) else _first_order(run, size)
+
+
+def _mechanical(run: Trajectory, size: int) -> Content:
+    scene, contacts = run.scene, ranking(run)
+    panels = panels_of(run, contacts)
+    numbers = sum(shape.poses.shape[1] for shape in scene.shapes) + 4 * len(scene.places)
+    most = most_rows(panels, numbers, size)
+    rows = rows_of(len(run), panels, strongest_impacts(run, most // 4), most)
     arrays = _Arrays()
-    arrays.put("t", t[rows], "float64")
     shapes = [
         _put_shape(arrays, number, shape, rows) for number, shape in enumerate(scene.shapes[:MOST_SHAPES])
     ]
-    arrows = arrows_of(trajectory, scene.places, rows)
+    arrows = arrows_of(run, scene.places, rows)
     _put_arrows(arrays, arrows)
     texts = {
-        "summary": summary_of(trajectory),
-        "rows": [len(rows), len(t)],
-        "span": [float(t[0]), float(t[-1])],
+        "summary": summary_of(run),
         "bounds": bounds_of(scene, rows),
         "spatial": any(shape.spatial for shape in scene.shapes),
         "shapes": shapes,
         "more_shapes": max(len(scene.shapes) - MOST_SHAPES, 0),
-        "contacts": [
-            {
-                "name": name,
-                "intervals": intervals_of(trajectory, name),
-            }
-            for name in contacts
-        ],
-        "more_contacts": len(trajectory.contacts) - len(contacts),
+        "contacts": [{"name": name, "intervals": intervals_of(run, name)} for name in contacts],
+        "more_contacts": len(run.contacts) - len(contacts),
         "states": [state.name for state in ContactState],
         "largest": {"force": arrows.largest_force, "impulse": arrows.largest_impulse},
         "arrow_names": arrows.names,
+    }
+    return _content(run.t, rows, panels, arrays, texts)
+
+
+def _first_order(run: FirstOrderTrajectory, size: int) -> Content:
+    panels = first_order_panels(run)
+    rows = rows_of(len(run), panels, np.empty(0, dtype=np.int64), most_rows(panels, 0, size))
+    texts: dict[str, Any] = {
+        "summary": first_order_summary(run),
+        "shapes": None,
+        "contacts": [],
+        "states": [],
+    }
+    return _content(run.t, rows, panels, _Arrays(), texts)
+
+
+def _content(
+    t: FloatArray, rows: IntArray, panels: Sequence[Panel], arrays: _Arrays, texts: dict[str, Any]
+) -> Content:
+    arrays.put("t", t[rows], "float64")
+    texts |= {
+        "rows": [len(rows), len(t)],
+        "span": [float(t[0]), float(t[-1])],
         "panels": [_put_panel(arrays, number, panel, rows) for number, panel in enumerate(panels)],
         "arrays": arrays.entries,
     }
     return Content(texts, arrays.packed())
 
 
-def rows_of(trajectory: Trajectory, panels: Sequence[Panel], scene: Scene, size: int) -> IntArray:
+def most_rows(panels: Sequence[Panel], numbers: int, size: int) -> int:
+    """How many rows these bytes can hold, each with the time, the plots and so many numbers more."""
+    numbers += 2 + sum(panel.values.shape[1] for panel in panels)
+    return max(size // (4 * numbers), FEWEST_ROWS)
+
+
+def strongest_impacts(run: Trajectory, most: int) -> IntArray:
+    """Rows with an impact; of more than `most` those with the largest impulses."""
+    hits = np.flatnonzero(run.impacts)
+    if len(hits) <= most:
+        return hits
+    strength = np.abs(run.columns()["impulse"][hits]).sum(axis=1)
+    return hits[np.argsort(strength, kind="stable")[-most:]]
+
+
+def rows_of(total: int, panels: Sequence[Panel], hits: IntArray, most: int) -> IntArray:
     """Rows that the page carries: all, or some evenly, impacts, what is before them, and extremes."""
-    total = len(trajectory)
-    numbers = sum(panel.values.shape[1] for panel in panels)
-    numbers += sum(shape.poses.shape[1] for shape in scene.shapes) + 2 + 4 * len(scene.places)
-    most = max(size // (4 * numbers), FEWEST_ROWS)
     if total <= most:
         return np.arange(total)
-    hits = np.flatnonzero(trajectory.impacts)
-    if 2 * len(hits) > most // 2:  # the strongest
-        strength = np.abs(trajectory.columns()["impulse"][hits]).sum(axis=1)
-        hits = hits[np.argsort(strength, kind="stable")[-(most // 4) :]]
     kept = [np.linspace(0, total - 1, most // 2).round().astype(int), hits, np.maximum(hits - 1, 0)]
     for panel in panels:
         known = np.where(np.isfinite(panel.values), panel.values, np.nan)

@@ -19,8 +19,9 @@ class Page {
     this.events = eventsOf(run);
     this.range = run.span[0] < run.span[1] ? [...run.span] : [run.span[0], run.span[0] + 1];
     this.whole = [...this.range];
-    if (run.shapes.length) this.scene = new SceneView(run, get("scene"), () => this.draw());
-    else this.hideScene();
+    get("animation").hidden = !run.shapes;
+    if (run.shapes?.length) this.scene = new SceneView(run, get("scene"), () => this.draw());
+    else if (run.shapes) this.hideScene();
     if (run.contacts.length) this.timeline = new Timeline(run, get("timeline"), (time) => this.seek(time));
     else get("contacts").hidden = true;
     this.plots = new Plots(run, get("plots"), this.impacts, (range) => this.zoom(range), (time) => this.seek(time));

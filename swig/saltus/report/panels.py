@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from saltus.io import Trajectory
+    from saltus.io import FirstOrderTrajectory, Trajectory
     from saltus.typing import FloatArray
 
 MOST_COORDINATES = 12  #: more are not plotted
@@ -54,6 +54,18 @@ def panels_of(trajectory: Trajectory, contacts: Sequence[str]) -> list[Panel]:
         trajectory.residual[:, None],
     )
     return [*panels, residual, _step_size(trajectory)]
+
+
+def first_order_panels(run: FirstOrderTrajectory) -> list[Panel]:
+    """All plots of a first-order run."""
+    entries = [Line(f"{name}[{k}]") for name, size in run.layout.interactions for k in range(size)]
+    states = [Line(f"x{k}") for k in range(run.x.shape[1])]
+    panels = [Panel("States x", "1", "lines", states, run.x)]
+    if entries:
+        panels.append(Panel("Outputs y", "1", "lines", entries, run.y))
+        panels.append(Panel("Multipliers λ", "1", "lines", entries, run.lambda_))
+    residual = [Line("largest of the step")]
+    return [*panels, Panel("Residual, relative", "1", "log", residual, run.residual[:, None])]
 
 
 def _contact_panels(trajectory: Trajectory, contacts: Sequence[str]) -> list[Panel]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from saltus.io import Trajectory
+    from saltus.io import FirstOrderTrajectory, Trajectory
 
 Lines = list[list[str]]
 
@@ -21,12 +21,27 @@ def summary_of(trajectory: Trajectory) -> dict[str, Lines]:
     }
 
 
+def first_order_summary(run: FirstOrderTrajectory) -> dict[str, Lines]:
+    """The same of a first-order run."""
+    t, worst = run.t, int(np.argmax(run.residual))
+    return {
+        "run": [*_span(run), ["states", str(run.x.shape[1])], ["outputs", str(run.y.shape[1])]],
+        "certificate": [["largest residual, relative", f"{run.residual[worst]:.1e} at {t[worst]:.6g} s"]],
+        "provenance": _provenance(run),
+    }
+
+
+def _span(run: Trajectory | FirstOrderTrajectory) -> Lines:
+    return [
+        ["time", f"{run.t[0]:g} s to {run.t[-1]:g} s"],
+        ["steps", f"{int(run.step[-1])} of {run.provenance.time_step:g} s"],
+    ]
+
+
 def _run(trajectory: Trajectory) -> Lines:
-    t, impacts = trajectory.t, int(trajectory.impacts.sum())
     lines = [
-        ["time", f"{t[0]:g} s to {t[-1]:g} s"],
-        ["steps", f"{int(trajectory.step[-1])} of {trajectory.provenance.time_step:g} s"],
-        ["steps with an impact", str(impacts)],
+        *_span(trajectory),
+        ["steps with an impact", str(int(trajectory.impacts.sum()))],
         ["contacts", str(len(trajectory.contacts))],
     ]
     if len(trajectory) - 1 != int(trajectory.step[-1]):
@@ -56,7 +71,7 @@ def _certificate(trajectory: Trajectory) -> Lines:
     return lines
 
 
-def _provenance(trajectory: Trajectory) -> Lines:
+def _provenance(trajectory: Trajectory | FirstOrderTrajectory) -> Lines:
     p = trajectory.provenance
     options = ", ".join(f"{name}={_short(value)}" for name, value in p.options.items())
     lines = [
