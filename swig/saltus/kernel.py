@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import os
 import warnings
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from saltus import _core, notebook, registry
 from saltus._core import (
@@ -68,7 +72,9 @@ from saltus.first_order import (
     ZeroOrderHoldOSI,
 )
 from saltus.io import Layout, Provenance, Trajectory
-from saltus.io.records import plain
+from saltus.io.checkpoints import pack, require_same
+from saltus.io.hdf5 import read_checkpoint, read_run, write_run
+from saltus.io.records import Continued, Loaded, Rows, plain
 from saltus.io.stream import Stream
 from saltus.registry import IntegratorFactory, register_integrator
 from saltus.scene import Appearance, Fixture
@@ -287,6 +293,17 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         return notebook.model(self)
 
 
+def _weakly(simulation: TimeStepping) -> Callable[[int], bytes]:
+    """Checkpoints of a simulation that is not kept alive by who asks for them; empty when it is gone."""
+    known = weakref.ref(simulation)
+
+    def packed(rows: int) -> bytes:
+        still = known()
+        return b"" if still is None else still._packed(rows)
+
+    return packed
+
+
 class StabilityWarning(UserWarning):
     """The time step is too large for the scheme: free oscillations grow by more than 1 % in a period."""
 
@@ -307,12 +324,16 @@ class TimeStepping(_core.TimeSteppingBase):
     file : HDF5 file that rows go to while the run goes on, instead of the memory. A run that is there is
         replaced. The file can be read at any time with `saltus.io.read_hdf5`, also if the program is
         killed: then at most the last second, or the last 4 MiB, is missing.
+    resume : go on with the run that is in the file, from its last checkpoint, with the bits of a run that was
+        never interrupted; if there is no file, begin. A Python integrator that carries something from step to
+        step must have `memory` and `remember`
 
     Raises
     ------
     ValueError
         If Δt is not positive and finite, a name is unknown, the integrator or the solver cannot take the
-        model, or the model's mass, forces, gaps or Jacobians are not finite at t0.
+        model, or the model's mass, forces, gaps or Jacobians are not finite at t0; if the run to resume is of
+        another model or simulation.
     OSError
         If the file cannot be written, FileExistsError if there is another file than a run.
 
@@ -334,6 +355,7 @@ class TimeStepping(_core.TimeSteppingBase):
         tolerance: float = 1e-12,
         record_every: int = 1,
         file: str | os.PathLike[str] | None = None,
+        resume: bool = False,
     ) -> None:
         if not isinstance(system, NonSmoothDynamicalSystem):
             raise TypeError(f"system must be a NonSmoothDynamicalSystem, got {type(system).__name__}")
@@ -346,8 +368,6 @@ class TimeStepping(_core.TimeSteppingBase):
         super().__init__(system, scheme, float(time_step), registry.solver(solver), tolerance)
         if (unstable := _core.stability_warning(system, scheme, float(time_step))) is not None:
             warnings.warn(unstable, StabilityWarning, stacklevel=2)
-        recording = _core.Recording(record_every)
-        self.add_observer(recording)
         layout = Layout.of(system.contacts(), [ds.coordinates for ds in system.systems])
         provenance = Provenance(
             scheme.name,
@@ -356,12 +376,25 @@ class TimeStepping(_core.TimeSteppingBase):
             solver,
             int(record_every),
             system.parameters,
+            float(tolerance),
         )
-        look = Appearance.of(system)
+        self._start: dict[str, Any] = {"t0": system.t0, "q0": self.q, "v0": self.v}
+        self._look: Appearance = Appearance.of(system)
+        if resume and file is None:
+            raise ValueError("resume needs a file to go on with, got none")
+        before = None
+        if resume and file is not None and os.path.exists(file):
+            rows = self._go_on(file, layout, provenance)
+            before = (file, rows) if self.steps else None
+        recording = _core.Recording(record_every)
+        self.add_observer(recording)
         self._stream: Stream | None = (
-            None if file is None else Stream(file, recording, layout, provenance, look)
+            None
+            if file is None
+            else Stream(file, recording, layout, provenance, self._look, _weakly(self), before)
         )
-        self._trajectory: Trajectory = Trajectory(self._stream or recording, layout, provenance, look)
+        self._source: Rows = self._stream or recording
+        self._trajectory: Trajectory = Trajectory(self._source, layout, provenance, self._look)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -391,6 +424,63 @@ class TimeStepping(_core.TimeSteppingBase):
         finally:
             self._close_file()
         return self._trajectory
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the run so far, and all that it takes to go on with it: see `load`.
+
+        The file is that of `Trajectory.to_hdf5`, an existing run is replaced as a whole.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written, FileExistsError if there is another file than a run; what was
+            there is untouched.
+        """
+        run = self._trajectory
+        checkpoint = self._packed(len(run))
+        return write_run(path, self._source, run.layout, run.provenance, run.scene, checkpoint)
+
+    def load(self, path: str | os.PathLike[str]) -> None:
+        """Go on with a run that `save` wrote, or a simulation with ``file=``, with the same bits.
+
+        Model, integrator, Δt, solver and tolerance must be those of that run: what can be compared is. Rows
+        recorded until then come first in the trajectory. Nothing in the file is executed.
+
+        Raises
+        ------
+        ValueError
+            If the file holds something else, or the run of another model or simulation; or this simulation
+            writes to a file itself, whose run ``resume=True`` goes on with.
+        OSError
+            If the file cannot be read.
+        """
+        if self._stream is not None:
+            raise ValueError("a simulation with file= goes on by resume=True, got load()")
+        run = self._trajectory
+        skip = self._source.rows
+        rows = self._go_on(path, run.layout, run.provenance)
+        columns = {name: column[:rows] for name, column in read_run(path)[0].columns().items()}
+        recording = self._source.after if isinstance(self._source, Continued) else self._source
+        if recording is not self._source:
+            skip = recording.rows
+        self._source = Continued(Loaded(rows, columns), recording, skip)
+        self._trajectory = Trajectory(self._source, run.layout, run.provenance, self._look)
+
+    def _go_on(self, path: str | os.PathLike[str], layout: Layout, provenance: Provenance) -> int:
+        """Take the state of a run in a file; how many rows it has until then."""
+        _, its_layout, its_provenance, _ = read_run(path)
+        require_same(path, (its_layout, its_provenance), (layout, provenance))
+        values = read_checkpoint(path)
+        for name, start in self._start.items():
+            if not np.array_equal(values[name], start):
+                raise ValueError(
+                    f"the run in '{path}' goes on only with a model of the same {name}, got another"
+                )
+        self.restore(values)
+        return int(values["rows"])
+
+    def _packed(self, rows: int) -> bytes:
+        return pack({**self.checkpoint(), **self._start}, rows)
 
     def step(self) -> StepReport:
         """Take one step. Raises SimulationError if it cannot be taken."""

@@ -7,6 +7,7 @@ Layout, format 4
 | attribute `saltus_format` | 4 |
 | attribute `layout` | JSON: coordinates of each system; rows, gaps and law of each contact |
 | attribute `provenance` | JSON |
+| `checkpoint/0`, `1` | bytes of `saltus.io.checkpoints`, written in turns; the latest complete one counts |
 | `rows` | number of complete rows: what stands behind them in the datasets does not count |
 | `columns/<name>` | (rows, ...) one dataset a column |
 | `shapes/<number>/points`, `lines`, `faces` | of a shape, in its frame; attributes `system`, `kind` |
@@ -34,6 +35,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from saltus.io.checkpoints import latest
 from saltus.io.files import NewFile, unwritable
 from saltus.io.records import (
     UNITS,
@@ -86,6 +88,7 @@ class RunFile:
         self.target = self._new.target
         self.failed = False  #: the last attempt to write
         self._file: h5py.File | None = None
+        self._slot = 0  # of the next checkpoint
         self._provenance = json.dumps(asdict(provenance))
         block = min(chunk, BLOCK_ROWS)
         self._spare = 2 * block * row_bytes(like) + (1 << 16)  # pieces that are begun, and their index
@@ -101,8 +104,8 @@ class RunFile:
             self.discard()
             raise
 
-    def write(self, start: int, columns: Mapping[str, Any], scene: Scene) -> None:
-        """Write rows from number `start` on; what stands there is overwritten."""
+    def write(self, start: int, columns: Mapping[str, Any], scene: Scene, checkpoint: bytes = b"") -> None:
+        """Write rows from number `start` on, over what stands there, and then a checkpoint."""
         rows = start + len(columns["t"])
         with self._errors_named():
             moving = _moving(scene)
@@ -115,6 +118,11 @@ class RunFile:
             file.flush()  # the rows are in the file before they count
             file["rows"][()] = rows
             file.flush()
+            if checkpoint:
+                slot = file["checkpoint"][str(self._slot)]
+                _put(slot, 0, len(checkpoint), np.frombuffer(checkpoint, dtype=np.uint8))
+                file.flush()
+                self._slot = 1 - self._slot
         self.failed = False
 
     def read(self, name: str, rows: int) -> Any:
@@ -178,12 +186,13 @@ def write_run(
     layout: Layout,
     provenance: Provenance,
     scene: Scene,
+    checkpoint: bytes = b"",
 ) -> Path:
     """Write a run that is at hand, and return where it is. Errors as `RunFile`."""
     columns, rows = dict(source.columns()), source.rows
     file = RunFile(path, layout, provenance, columns, scene, min(chunk_rows(columns), max(rows, 1)))
     try:
-        file.write(0, columns, scene)
+        file.write(0, columns, scene, checkpoint)
         file.close()
         file.publish()
     finally:
@@ -241,23 +250,48 @@ def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, 
                 Layout(contacts, tuple(layout["coordinates"])),
                 Provenance(**json.loads(file.attrs["provenance"])),
                 Scene(
-                    tuple(_read_shape(shapes[name], rows) for name in sorted(shapes)),
-                    tuple(_read_place(places[name], rows) for name in sorted(places)),
+                    tuple(_read_shape(shapes[name], slice(rows)) for name in sorted(shapes)),
+                    tuple(_read_place(places[name], slice(rows)) for name in sorted(places)),
                 ),
             )
         except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
             raise ValueError(f"'{path}' must be a complete run of Saltus, got one with: {error!r}") from error
 
 
-def _read_shape(group: h5py.Group, rows: int) -> ShapeRecord:
+def read_checkpoint(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Where the run in a file can go on. Errors as `open_run`, ValueError also if there is no such place."""
+    with open_run(path) as file:
+        slots = [bytes(file["checkpoint"][name][:]) for name in ("0", "1")] if "checkpoint" in file else []
+        found = latest(slots, int(file["rows"][()]))
+    if found is None:
+        raise ValueError(
+            f"the run in '{path}' cannot go on: it must be written by a simulation, got no checkpoint"
+        )
+    return found
+
+
+def read_rows(path: str | os.PathLike[str], rows: int) -> Iterator[tuple[int, dict[str, Any], Scene]]:
+    """The first rows of a file in pieces: number of the first, columns, scene. Errors as `open_run`."""
+    with open_run(path) as file:
+        size = chunk_rows({name: file["columns"][name][:1] for name in UNITS})
+        for start in range(0, rows, size):
+            part = slice(start, min(start + size, rows))
+            scene = Scene(
+                tuple(_read_shape(group, part) for _, group in sorted(file["shapes"].items())),
+                tuple(_read_place(group, part) for _, group in sorted(file["places"].items())),
+            )
+            yield start, {name: file["columns"][name][part] for name in UNITS}, scene
+
+
+def _read_shape(group: h5py.Group, rows: slice) -> ShapeRecord:
     system, kind = int(group.attrs["system"]), str(group.attrs["kind"])
     return ShapeRecord(
-        system, kind, group["points"][:], group["lines"][:], group["faces"][:], group["poses"][:rows]
+        system, kind, group["points"][:], group["lines"][:], group["faces"][:], group["poses"][rows]
     )
 
 
-def _read_place(group: h5py.Group, rows: int) -> PlaceRecord:
-    return PlaceRecord(str(group.attrs["contact"]), group["point"][:rows], group["directions"][:rows])
+def _read_place(group: h5py.Group, rows: slice) -> PlaceRecord:
+    return PlaceRecord(str(group.attrs["contact"]), group["point"][rows], group["directions"][rows])
 
 
 def _make_datasets(file: h5py.File, like: Mapping[str, Any], scene: Scene, block: int) -> None:
@@ -265,6 +299,8 @@ def _make_datasets(file: h5py.File, like: Mapping[str, Any], scene: Scene, block
     columns = file.create_group("columns")
     for name, unit in UNITS.items():
         _make_growing(columns, name, like[name], unit, block)
+    for slot in ("0", "1"):
+        _make_growing(file.require_group("checkpoint"), slot, np.empty(0, dtype=np.uint8), "1", 1 << 12)
     file.create_group("places")
     file.create_group("shapes")
     for number, shape in enumerate(scene.shapes):

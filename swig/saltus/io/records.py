@@ -44,6 +44,25 @@ class Loaded:
 
 
 @dataclass(frozen=True)
+class Continued:
+    """Rows that were read, and those that a recording adds to them from its row number `skip` on."""
+
+    before: Loaded
+    after: Rows
+    skip: int = 0
+
+    @property
+    def rows(self) -> int:
+        """Their number."""
+        return self.before.rows + self.after.rows - self.skip
+
+    def columns(self) -> Mapping[str, Any]:
+        """All columns."""
+        earlier, later = self.before.columns(), self.after.columns()
+        return {name: np.concatenate([earlier[name], later[name][self.skip :]]) for name in later}
+
+
+@dataclass(frozen=True)
 class ContactLaw:
     """The law of a contact: its class, and the parameters that it has."""
 
@@ -101,6 +120,7 @@ class Provenance:
     solver: str
     record_every: int
     parameters: Mapping[str, Any]  #: of the model, as its author named them
+    tolerance: float = 1e-12  #: of the contact problems
     version: str = __version__  #: of Saltus
     created: str = field(default_factory=lambda: datetime.now(timezone.utc).isoformat())  #: start, wall clock
 

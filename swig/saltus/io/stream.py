@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from saltus._core import Recording
-from saltus.io.hdf5 import RunFile, chunk_rows
+from saltus.io.hdf5 import RunFile, chunk_rows, read_rows
 from saltus.io.records import UNITS, Layout, Provenance
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ class Stream:
     path : of the file, which a run of Saltus there makes room for
     recording : with the first row
     layout, provenance, look : of the run
+    checkpoint : called for that of the simulation, with the number of rows that are then in the file
+    before : file with rows that come first, and how many of them
 
     Raises
     ------
@@ -40,15 +42,23 @@ class Stream:
         layout: Layout,
         provenance: Provenance,
         look: Appearance,
+        checkpoint: Callable[[int], bytes],
+        before: tuple[str | os.PathLike[str], int] | None = None,
     ) -> None:
-        first = recording.columns()
+        earlier = read_rows(*before) if before else iter(())
+        first = next(iter(read_rows(before[0], 1)))[1] if before else recording.columns()
         chunk = chunk_rows(first)
         file = RunFile(path, layout, provenance, first, look.scene(first["t"], first["q"]), chunk)
+        offset = self._before = before[1] if before else 0
 
-        def write(start: int, columns: Mapping[str, Any]) -> None:
-            file.write(start, columns, look.scene(columns["t"], columns["q"]))
+        def write(start: int, columns: Mapping[str, Any]) -> None:  # without self: it would never die
+            at = offset + start
+            scene = look.scene(columns["t"], columns["q"])
+            file.write(at, columns, scene, checkpoint(at + len(columns["t"])))
 
         try:
+            for at, columns, scene in earlier:
+                file.write(at, columns, scene, checkpoint(offset))
             recording.stream(write, chunk, SECONDS)
             recording.flush()
             file.publish()
@@ -62,7 +72,7 @@ class Stream:
     @property
     def rows(self) -> int:
         """Those in the file, and those still in memory."""
-        return self._recording.handed_on + self._recording.rows
+        return self._before + self._recording.handed_on + self._recording.rows
 
     def columns(self) -> Mapping[str, Any]:
         """All columns; each is read from the file when it is asked for."""
