@@ -175,3 +175,9 @@ def test_forces_and_impulses_are_told_apart(scheme):
     loaded = run.loaded()
     assert loaded.layout is run.layout
     np.testing.assert_array_equal(loaded["floor"].states, floor.states)
+
+
+def test_bounces_in_recorded_rows_that_follow_each_other_are_impacts():
+    """With rows of impulsive steps alone, the row before is that of the bounce before."""
+    run = sk.TimeStepping(bouncing_ball.build(), "MoreauJeanOSI", 1e-3, record_every=10**6).run(2.0)
+    assert run["floor"].states.tolist() == [OPEN, *len(bounces(2.0)) * [IMPACT]]
