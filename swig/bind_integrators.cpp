@@ -208,6 +208,8 @@ void bind_integrator(py::module_& module) {
 
     def prepare(self, system, solver): ...        # make Configuration and ContactStage of them
     def step(self, dt, state, reactions): ...     # take state to t + dt, return a StepReport
+    def memory(self): ...                         # optional: what it carries on besides state and reactions, (m,)
+    def remember(self, memory): ...               # with it: go on with what memory() gave
 
 `state` and `reactions` come in as the last step left them and are taken over if the method returns. What Configuration and
 ContactStage cannot do raises StepFailure: let it pass, the simulation reports it.

@@ -87,6 +87,21 @@ StepReport PyIntegrator::step(double dt, State& state, Reactions& reactions) {
   return report;
 }
 
+std::vector<double> PyIntegrator::memory() const {
+  const py::object self = python_object<OneStepIntegrator>(this);
+  if (!py::hasattr(self, "memory")) return {};
+  const Vec values = to_vec(self.attr("memory")(), "memory");
+  return {values.data(), values.data() + values.size()};
+}
+
+void PyIntegrator::remember(std::span<const double> memory) {
+  const py::object self = python_object<OneStepIntegrator>(this);
+  if (!py::hasattr(self, "memory")) return OneStepIntegrator::remember(memory);
+  const auto remember =
+      method<OneStepIntegrator>(self, "remember", "remember(self, memory), as it has memory");
+  remember(to_array(Eigen::Map<const Vec>(memory.data(), static_cast<Eigen::Index>(memory.size()))));
+}
+
 std::unique_ptr<OneStepIntegrator> PyIntegrator::clone() const { return copy_of<OneStepIntegrator>(this); }
 
 std::string_view PyContactSolver::name() const {

@@ -23,6 +23,9 @@ class PyIntegrator final : public OneStepIntegrator, public py::trampoline_self_
   void prepare(const NonSmoothDynamicalSystem& model, ContactSolver& solver) override;
   /// State and reactions change only if the method returns a report whose status is ok.
   StepReport step(double dt, State& state, Reactions& reactions) override;
+  /// Of a class that has it; nothing of others.
+  std::vector<double> memory() const override;
+  void remember(std::span<const double> memory) override;
   /// An object of the same class with the same attributes.
   std::unique_ptr<OneStepIntegrator> clone() const override;
 };

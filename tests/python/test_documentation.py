@@ -82,6 +82,9 @@ def test_shell_blocks_name_what_exists(block):
             assert find_spec(rest[1])
         elif word.endswith("python"):
             assert (ROOT / rest[0]).exists()
+        elif word == "pip":
+            extra = re.fullmatch(r"saltus\[(\w+)\]", rest[1])[1]
+            assert f"\n{extra} = [" in (ROOT / "pyproject.toml").read_text()
         else:
             assert word in (
                 "cmake",

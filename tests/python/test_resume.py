@@ -199,3 +199,50 @@ def test_checkpoints_that_do_not_fit():
         sk.TimeStepping(slider_crank.build(), "HalfExplicitTrapezoidalOSI", 1e-4).restore(values)
     with pytest.raises(ValueError, match="a checkpoint must have 'q'"):
         simulation.restore({"step": 1, "t": 0.0})
+
+
+class Alternating(sk.OneStepIntegrator):
+    """Takes every other step with the velocity of its start: what it remembers decides."""
+
+    def prepare(self, system, solver):
+        self.odd = 0.0
+
+    def step(self, dt, state, reactions):
+        v = np.array(state.v) - 9.81 * dt
+        state.q = np.array(state.q) + dt * (state.v if self.odd else v)
+        state.v = v
+        self.odd = 1.0 - self.odd
+        return sk.StepReport()
+
+
+class Remembering(Alternating):
+    def memory(self):
+        return [self.odd]
+
+    def remember(self, memory):
+        (self.odd,) = memory
+
+
+class Forgetful(Alternating):
+    def memory(self):
+        return [self.odd]
+
+
+def falling(scheme):
+    ball = sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]])
+    return sk.TimeStepping(sk.NonSmoothDynamicalSystem([ball]), scheme, 0.1)
+
+
+def test_an_integrator_in_python_remembers(tmp_path):
+    for scheme, equal in ((Remembering, True), (Alternating, False)):
+        whole = falling(scheme()).run(1.0)
+        first = falling(scheme())
+        first.run(0.3)
+        second = falling(scheme())
+        second.load(first.save(tmp_path / "run.h5"))
+        assert (second.run(1.0).q == whole.q).all() == equal
+    first = falling(Forgetful())
+    first.run(0.3)
+    second = falling(Forgetful())
+    with pytest.raises(NotImplementedError, match=r"Forgetful must define remember\(self, memory\)"):
+        second.load(first.save(tmp_path / "run.h5"))
