@@ -401,11 +401,12 @@ class TimeStepping(_core.TimeSteppingBase):
         """What is recorded so far."""
         return self._trajectory
 
-    def run(self, until: float, progress: Callable[[float], None] | None = None) -> Trajectory:
+    def run(self, until: float, progress: Callable[[float], None] | bool | None = None) -> Trajectory:
         """Take all steps with t_k <= until (1 + 1e-12), never a shortened one.
 
         A further call continues the same trajectory. `progress` is called with the time every few hundred
-        steps. However the run ends, what was recorded is then in the file, if there is one.
+        steps; True shows steps, steps a second and what remains. However the run ends, what was recorded is
+        then in the file, if there is one. Ctrl-C ends it after the step that is being taken.
 
         Raises
         ------
@@ -415,12 +416,25 @@ class TimeStepping(_core.TimeSteppingBase):
             If until is not finite.
         OSError
             If the file can no longer be written.
+        KeyboardInterrupt
+            After Ctrl-C; it says how to go on.
         """
         try:
-            self.advance(until, progress)
+            if progress is True:
+                from saltus.progress import shown
+
+                with shown(self, until) as report:
+                    self.advance(until, report)
+            else:
+                self.advance(until, progress or None)
         except SimulationError as error:
             error.trajectory = self._trajectory
             raise
+        except KeyboardInterrupt as error:
+            how = "resume=True goes on with it" if self._stream else "run() goes on, save() keeps it"
+            raise KeyboardInterrupt(
+                f"the run ended after step {self.steps} at t = {self.t:g} s; {how}"
+            ) from error
         finally:
             self._close_file()
         return self._trajectory

@@ -35,6 +35,22 @@ TEST_P(Determinism, TwoRunsAreEqualToTheBit) {
   expect_same(first, second);
 }
 
+TEST_P(Determinism, ARunThatGoesOnFromACheckpointIsTheRunInOnePiece) {
+  TimeStepping whole(crank_, *make_scheme(GetParam()), 1e-4);
+  Checkpoint reached;
+  for (double until : {0.0021, 0.0133, 0.04}) {
+    TimeStepping part(crank_, *make_scheme(GetParam()), 1e-4);
+    if (reached.step > 0) part.restore(reached);
+    part.run(until);
+    reached = part.checkpoint();
+  }
+  TimeStepping last(crank_, *make_scheme(GetParam()), 1e-4);
+  last.restore(reached);
+  whole.run(0.06);
+  last.run(0.06);
+  expect_same(whole, last);
+}
+
 TEST_P(Determinism, ARunInPiecesIsTheRunInOnePiece) {
   const auto scheme = make_scheme(GetParam());
   TimeStepping whole(crank_, *scheme, 1e-4), pieces(crank_, *scheme, 1e-4);

@@ -1,6 +1,7 @@
 """A run that goes on elsewhere has the bits of one that was never interrupted."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -246,3 +247,38 @@ def test_an_integrator_in_python_remembers(tmp_path):
     second = falling(Forgetful())
     with pytest.raises(NotImplementedError, match=r"Forgetful must define remember\(self, memory\)"):
         second.load(first.save(tmp_path / "run.h5"))
+
+
+def test_an_interrupted_run_says_how_to_go_on(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(PROGRAM).replace("0.3)", "1e3, progress=True)")],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "begins\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate()
+    step = int(
+        re.search(r"KeyboardInterrupt: the run ended after step (\d+) at .*resume=True goes on", said)[1]
+    )
+    steps, rate = re.search(r"(\d+) steps in .* s, (\S+) steps/s", said).groups()
+    assert int(steps) == step > 1000
+    assert float(rate) > 1000
+    last = read_hdf5(tmp_path / "run.h5")
+    assert last.step[-1] == step - step % 3 or last.impulsive[-1]
+    scheme = "HalfExplicitTrapezoidalOSI(activity=sticky)"
+    again = sk.TimeStepping(
+        slider_crank.build(), scheme, 1e-6, file=tmp_path / "run.h5", resume=True, record_every=3
+    )
+    assert again.steps <= step
+    whole = sk.TimeStepping(slider_crank.build(), scheme, 1e-6, record_every=3)
+    until = (step + 100) * 1e-6
+    require_equal(again.run(until), whole.run(until))
+
+
+def test_progress_of_a_run_without_steps(capfd):
+    falling("ExplicitMoreauJeanOSI").run(0.0, progress=True)
+    assert "0 steps in" in capfd.readouterr().err
