@@ -26,6 +26,7 @@ PUBLIC = (
     "saltus.io",
     "saltus.numerics",
     "saltus.shapes",
+    "saltus.scene",
     "saltus.compare",
     "saltus.models",
     "saltus.conformance",

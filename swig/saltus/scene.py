@@ -51,7 +51,7 @@ def show_at(interaction: Interaction, place: Place) -> None:
 class Appearance:
     """What a model looks like at any positions; see `of`."""
 
-    shapes: tuple[_PlacedShape, ...]
+    shapes: tuple[PlacedShape, ...]
     places: tuple[Callable[[FloatArray], PlaceRecord | None], ...]
 
     @staticmethod
@@ -60,11 +60,11 @@ class Appearance:
         starts = np.cumsum([0, *(ds.coordinates for ds in system.systems)]).tolist()
         parts = [slice(start, end) for start, end in zip(starts, starts[1:], strict=False)]
         shapes = [
-            _PlacedShape(index, shape, pose, parts[index])
+            PlacedShape(index, shape, pose, parts[index])
             for index, ds in enumerate(system.systems)
             for shape, pose in ds.__dict__.get("_shapes", [])
         ]
-        shapes += [_PlacedShape(-1, shape, pose, None) for shape, pose in system.scenery]
+        shapes += [PlacedShape(-1, shape, pose, None) for shape, pose in system.scenery]
         names = [name for name, *_ in system.contacts()]
         places = [_placer(system, index, name, parts) for index, name in enumerate(names)]
         return Appearance(tuple(shapes), tuple(places))
@@ -83,7 +83,7 @@ class Appearance:
 
 
 @dataclass(frozen=True)
-class _PlacedShape:
+class PlacedShape:
     """A shape of the system with this index, and how its pose follows from that part of q; -1: from t."""
 
     system: int
