@@ -327,6 +327,49 @@ def converge(
 
 
 @app.command()
+def sweep(
+    study: Annotated[
+        Path, typer.Argument(metavar="STUDY.py", help="A file with build(**parameters) and PARAMETERS.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results; default: out/sweep/STUDY.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Processes on this machine; default: one a core.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A dask scheduler, whose workers make the runs.")
+    ] = None,
+    time_out: Annotated[float | None, typer.Option(help="Of a run, in s.")] = None,
+    keep: Annotated[bool, typer.Option("--keep", help="Keep every trajectory, HDF5.")] = False,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Make failed runs again.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """Run a study over parameters, integrators and time steps: a table and a picture.
+
+    What is there already is not made again, so that a sweep that was stopped goes on where it was.
+    Exit status 0 if every run has a result, 1 if one failed, 2 on misuse, 130 after Ctrl-C.
+    """
+    from saltus.cli.sweep import run
+
+    with _misuse():
+        try:
+            ok = run(
+                study,
+                out,
+                as_json=json,
+                workers=workers,
+                scheduler=scheduler,
+                time_out=time_out,
+                keep=keep,
+                retry_failed=retry_failed,
+            )
+        except KeyboardInterrupt:
+            _fail("stopped; what was done is kept, and the same command goes on", 130)
+    raise typer.Exit(code=0 if ok else 1)
+
+
+@app.command()
 def conformance(
     integrators: Annotated[
         list[str] | None,
