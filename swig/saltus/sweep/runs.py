@@ -9,7 +9,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import islice
+from itertools import count, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -175,27 +175,42 @@ def _task(study: Study, run: Run, store: _Store, time_out: float | None) -> Task
 
 
 def _answers(client: Client, sweep: str, tasks: Iterator[Task]) -> Iterator[tuple[Run, dict[str, Any]]]:
-    """What becomes of each run, as they are done; dask knows of a few at once."""
+    """What becomes of each run, as they are done; dask knows of a few at once.
+
+    If a worker dies, all that it was given may be the reason: these runs are made again alone, in the end.
+    """
     from distributed import KilledWorker, as_completed
 
-    of: dict[Future[Any], Run] = {}
+    of: dict[Future[Any], Task] = {}
+    numbers = count()
+    suspects: list[Task] = []
+    alone: set[str] = set()
 
     def submit(task: Task) -> Future[Any]:
-        future = client.submit(worker.make, sweep, task, key=f"{task.run.identity}-{sweep}", pure=False)
-        of[future] = task.run
+        number = next(numbers)
+        key = f"run-{sweep}-{number}"  # of one group, which dask does not give out in advance
+        future = client.submit(worker.make, sweep, task, key=key, priority=-number, pure=False)
+        of[future] = task
         return future
 
     window = max(LEAST_WINDOW, WINDOW * sum(client.nthreads().values()))
     done = as_completed([submit(task) for task in islice(tasks, window)], loop=client.loop)
     try:
         for future in done:
-            run = of.pop(future)
+            task = of.pop(future)
             try:
-                yield run, future.result()
+                yield task.run, future.result()
             except KilledWorker as error:
-                yield run, {"status": DIED, "error": "KilledWorker", "message": str(error), "traceback": ""}
-            for task in islice(tasks, 1):
-                done.add(submit(task))
+                if task.run.identity in alone:
+                    message = str(error).replace(future.key, task.run.identity)
+                    yield task.run, worker.failure(DIED, "KilledWorker", message)
+                else:
+                    suspects.append(task)
+            for following in islice(tasks, 1):
+                done.add(submit(following))
+            if not of and suspects:
+                alone.add(suspects[0].run.identity)
+                done.add(submit(suspects.pop(0)))
     finally:
         client.cancel(list(of))
 

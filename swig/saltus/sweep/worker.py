@@ -63,12 +63,12 @@ class Processes:
                 with self._lock:
                     self._all.discard(process)
                 if status == TIME_OUT and task.time_out is not None:
-                    return _failure(TIMED_OUT, "TimeoutError", f"took longer than {task.time_out:g} s")
+                    return failure(TIMED_OUT, "TimeoutError", f"took longer than {task.time_out:g} s")
             else:
                 self._idle.append(process)
                 return answer
         how = f"signal {-status}" if status < 0 else f"exit status {status}"
-        return _failure(DIED, "ProcessDied", f"its process ended by {how}, {ATTEMPTS} times")
+        return failure(DIED, "ProcessDied", f"its process ended by {how}, {ATTEMPTS} times")
 
     def close(self) -> None:
         """End all processes, also those that are at work."""
@@ -113,7 +113,7 @@ def serve() -> None:
 def _answer(task: Task) -> dict[str, Any]:
     if task.version != __version__:
         message = f"expected Saltus {task.version} on every worker, got {__version__}"
-        return _failure(FAILED, "RuntimeError", message)
+        return failure(FAILED, "RuntimeError", message)
     start = time.perf_counter()
     answer: dict[str, Any]
     with ended_after(task.time_out), warnings.catch_warnings(record=True) as said:
@@ -121,7 +121,7 @@ def _answer(task: Task) -> dict[str, Any]:
         try:
             answer = {"status": DONE, "figures": _figures(_study(task.source, task.path), task)}
         except Exception as error:
-            answer = _failure(FAILED, type(error).__name__, str(error), traceback.format_exc())
+            answer = failure(FAILED, type(error).__name__, str(error), traceback.format_exc())
     answer["warnings"] = list(dict.fromkeys(str(warning.message) for warning in said))
     answer["seconds"] = time.perf_counter() - start
     return answer
@@ -183,5 +183,6 @@ def _number(name: str, value: Any) -> float | list[float]:
     return plain
 
 
-def _failure(status: str, error: str, message: str, trace: str = "") -> dict[str, Any]:
+def failure(status: str, error: str, message: str, trace: str = "") -> dict[str, Any]:
+    """What is kept of a run without result."""
     return {"status": status, "error": error, "message": message, "traceback": trace}
