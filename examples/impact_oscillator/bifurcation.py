@@ -34,7 +34,7 @@ RESTITUTION = 0.6  # ε
 PERIODS = 120  # of a run
 LAST = 0.4  # part of it that is looked at
 
-PARAMETERS = {"frequency": np.linspace(26.0, 35.0, 361)}  # ω [rad/s]
+PARAMETERS = {"frequency": np.linspace(26.0, 35.0, 301)}  # ω [rad/s]
 TIME_STEPS = [5e-4]  # [s]
 UNITS = {"frequency": "rad/s", "impact_speed": "m/s"}
 

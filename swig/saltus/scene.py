@@ -92,6 +92,7 @@ class PlacedShape:
     part: slice | None
 
     def record(self, t: FloatArray, q: FloatArray) -> ShapeRecord:
+        """In rows with times t (rows,) and positions q (rows, n) of all systems."""
         geometry, kind = self.shape.geometry(), type(self.shape).__name__
         return ShapeRecord(
             self.system, kind, geometry.points, geometry.lines, geometry.faces, self._poses(t, q)

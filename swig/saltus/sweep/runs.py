@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 LEAST_WINDOW = 64  #: runs that dask knows of at once, at least, and
 WINDOW = 4  #: for each thread: a study may have a million
 
+LOCAL = "127.0.0.1:0"  # nobody else shall see what dask serves
+
 Progress: TypeAlias = Callable[[int, int, int, int], object]
 """Called with the numbers of runs in all, there before, made, and of those there are the failed ones."""
 
@@ -218,14 +220,13 @@ def _answers(client: Client, sweep: str, tasks: Iterator[Task]) -> Iterator[tupl
 @contextmanager
 def _client(workers: int | None, scheduler: str | None) -> Iterator[tuple[Client, str]]:
     """A client, and the name under which its workers know this sweep, whose processes end with it."""
-    import dask
     from distributed import Client, LocalCluster
 
     sweep = uuid.uuid4().hex[:12]
     if scheduler is not None:
         try:
             client = Client(scheduler, set_as_default=False)
-        except (OSError, TimeoutError, ValueError) as error:
+        except (OSError, ValueError) as error:
             raise ValueError(f"no dask scheduler answers at '{scheduler}': {error}") from error
         with client:
             try:
@@ -233,16 +234,16 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator[tuple[Client
             finally:
                 client.run(worker.close, sweep, on_error="ignore")
         return
-    # Threads are enough: each waits for a process of its own, which makes the runs.
-    threads = workers or len(os.sched_getaffinity(0))
     with (
-        dask.config.set({"distributed.worker.memory.terminate": False, "distributed.admin.tick.limit": "1h"}),
+        _quiet(),
         LocalCluster(
             n_workers=1,
-            threads_per_worker=threads,
-            processes=False,
-            dashboard_address=None,
-            silence_logs=logging.CRITICAL,
+            threads_per_worker=workers or len(os.sched_getaffinity(0)),
+            processes=False,  # threads are enough: each waits for a process of its own, which makes the runs
+            dashboard_address=LOCAL,
+            worker_dashboard_address=LOCAL,
+            memory_limit=None,
+            silence_logs=False,
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
@@ -250,6 +251,18 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator[tuple[Client
             yield client, sweep
         finally:
             worker.close(sweep)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Nothing is said of the workers within this process: they end when the sweep does."""
+    logger = logging.getLogger("distributed")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def _check(workers: int | None, scheduler: str | None, time_out: float | None) -> None:

@@ -69,7 +69,7 @@ class Run(NamedTuple):
     """One run of a study."""
 
     identity: str  #: a hash of everything that decides its result
-    parameters: dict[str, Value]
+    parameters: dict[str, Any]  #: numbers and words by name
     integrator: str
     time_step: float  #: Δt [s]
     until: float  #: [s]
