@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import saltus.kernel as sk
@@ -345,6 +346,27 @@ def test_the_picture_has_a_line_for_each_combination_and_dots_for_lists(tmp_path
     np.testing.assert_array_equal(lines["no result: 2 of 12"].get_xdata(), [140.2, 140.4])
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed [rad/s]", "angle [rad]")
     assert (tmp_path / "out/sweep.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_picture_of_samples_is_coloured_by_the_second_parameter(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    samples = "from saltus.sweep import Samples\n"
+    samples += "PARAMETERS = Samples(20, seed=1, number=(0, 1), other=(2.0, 3.0))\n"
+    text = WAITING.replace('PARAMETERS = {"number": list(range(12))}\n', samples).replace(
+        "(number)", "(number, other)"
+    )
+    found = run_study(write(tmp_path / "waiting.py", text, PAUSE="0"), "out", workers=1)
+    ax = Figure().subplots()
+    draw(ax, found)
+    [dots] = ax.collections
+    points = np.array([[r["parameters"]["number"], r["figures"]["height"]] for r in found.records])
+    np.testing.assert_array_equal(np.sort(np.asarray(dots.get_offsets())[:, 0]), np.sort(points[:, 0]))
+    others = [record["parameters"]["other"] for record in found.records]
+    of = {
+        x: tuple(c) for x, c in zip(np.asarray(dots.get_offsets())[:, 0], dots.get_facecolors(), strict=True)
+    }
+    assert of[points[np.argmin(others), 0]] == plt.get_cmap("viridis")(0.0)
+    assert of[points[np.argmax(others), 0]] == plt.get_cmap("viridis")(1.0)
 
 
 def test_the_oscillator_of_the_example_hits_as_its_formula_says():

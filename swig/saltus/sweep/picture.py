@@ -52,9 +52,12 @@ def draw(ax: Axes, sweep: Sweep) -> None:
     units = {**UNITS, **sweep.study.units}
     colours = _colours(ax, groups, others, units) if len(groups) > MOST_LINES else {}
     scattered = len(groups) > MOST_LINES and max(map(len, groups.values())) < 3
+    if scattered and colours:
+        _scatter(ax, groups, across, figure, colours)
+        groups = {}
     for key, group in groups.items():
         label = ", ".join(_word(name, value) for name, value in zip(others, key, strict=True))
-        _draw_group(ax, group, across, figure, label, colours.get(key), scattered)
+        _draw_group(ax, group, across, figure, label, colours.get(key))
     lost = [_of(record, across) for record in records if record["status"] != DONE]
     if lost:
         ax.plot(
@@ -70,7 +73,7 @@ def draw(ax: Axes, sweep: Sweep) -> None:
         ax.set_xscale("log")
     ax.set_xlabel(_label(across, units))
     ax.set_ylabel(_label(figure, units))
-    if len(groups) <= MOST_LINES and ax.get_legend_handles_labels()[1]:
+    if not colours and len(groups) <= MOST_LINES and ax.get_legend_handles_labels()[1]:
         ax.legend()
 
 
@@ -83,21 +86,36 @@ def _of(record: Record, name: str) -> Any:
     return record[name] if name in ("integrator", "time_step") else record["parameters"].get(name)
 
 
-def _draw_group(
-    ax: Axes, group: Sequence[Record], across: str, figure: str, label: str, colour: Any, scattered: bool
-) -> None:
-    there = [record for record in group if record["status"] == DONE and figure in record["figures"]]
+def _dots(group: Sequence[Record], across: str, figure: str) -> tuple[Any, Any]:
+    """All values of the figure, and where they are."""
+    there = [record for record in group if figure in record.get("figures", {})]
     values = [np.atleast_1d(record["figures"][figure]) for record in there]
     x = np.repeat([_of(record, across) for record in there], [len(value) for value in values])
-    y = np.concatenate(values) if values else np.array([])
+    return x, np.concatenate(values) if values else np.array([])
+
+
+def _scatter(
+    ax: Axes,
+    groups: Mapping[tuple[Any, ...], Sequence[Record]],
+    across: str,
+    figure: str,
+    colours: Mapping[tuple[Any, ...], Any],
+) -> None:
+    dots = {key: _dots(group, across, figure) for key, group in groups.items()}
+    x, y = (np.concatenate([dot[k] for dot in dots.values()]) for k in range(2))
+    ax.scatter(x, y, s=9, linewidths=0, c=[colours[key] for key, dot in dots.items() for _ in dot[0]])
+
+
+def _draw_group(ax: Axes, group: Sequence[Record], across: str, figure: str, label: str, colour: Any) -> None:
+    x, y = _dots(group, across, figure)
     style: dict[str, Any] = {"color": colour} if colour is not None else {}
-    if any(isinstance(record["figures"][figure], list) for record in there):
+    if any(isinstance(record.get("figures", {}).get(figure), list) for record in group):
         style |= {"linestyle": "", "marker": ".", "markersize": 1.2 if len(y) > DOTS else 2.5}
         style["markeredgewidth"] = 0
     else:
         order = np.argsort(x, kind="stable")
         x, y = x[order], y[order]
-        style |= {"marker": ".", "markersize": 4, "linestyle": "" if scattered else "-"}
+        style |= {"marker": ".", "markersize": 4, "linestyle": "-"}
     ax.plot(x, y, label=label, **style)
 
 

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 LEAST_WINDOW = 64  #: runs that dask knows of at once, at least, and
-WINDOW = 4  #: for each thread: a study may have a million
+WINDOW = 4  #: for each thread: a study may have very many
 
 LOCAL = "127.0.0.1:0"  # nobody else shall see what dask serves
 
 Progress: TypeAlias = Callable[[int, int, int, int], object]
-"""Called with the numbers of runs in all, there before, made, and of those there are the failed ones."""
+"""Called with the numbers of runs in all, there before, made now, and failed."""
 
 
 @dataclass(frozen=True)
