@@ -7,10 +7,10 @@ and is driven for 120 periods. It has forgotten how it began when the last 48 ar
 is a dot at its frequency ω, as high as the speed with which the mass arrives.
 
 One curve is a motion that always hits equally hard, at 26 rad/s once in every period. At 26.5 rad/s it
-splits, and soon chaos fills a band, with a window at 27 rad/s where three speeds follow each other. At
-ω = 3Ω, 30 rad/s, chaos ends: after a hard impact the mass bounces ever less, fewer times for higher
-frequencies, irregularly above 31 and 32 rad/s. From 33.6 rad/s on one impact is left again. Curves are as thick as the speeds of impacts are
-off that are captured within a step, an error of first order in Δt.
+splits, and soon chaos fills a band, with a window at 27 rad/s where three speeds follow each other. At ω =
+3Ω, 30 rad/s, chaos ends: after a hard impact the mass bounces ever less, fewer times for higher
+frequencies, irregularly above 31 and 32 rad/s. From 33.6 rad/s on one impact is left again. Curves are as
+thick as the speeds of impacts are off that are captured within a step, an error of first order in Δt.
 
 The parameter is ω, a run takes 120 of its own periods, and its figure is a list, because there are as many
 speeds as impacts.
