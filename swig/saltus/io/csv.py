@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from saltus._core import csv_header, csv_rows
-from saltus.io.files import NewFile, unwritable
+from saltus.io.files import new_file
 from saltus.io.records import Layout, Rows
 
 BLOCK = 4096  #: rows that are text at a time
@@ -16,17 +16,8 @@ def write_csv(path: str | os.PathLike[str], source: Rows, layout: Layout) -> Pat
     """See `Trajectory.to_csv`."""
     contacts = [(name, slot.rows, slot.gaps) for name, slot in layout.contacts.items()]
     columns, rows = dict(source.columns()), source.rows
-    new = NewFile(path)
-    try:
-        with open(new.part, "w", encoding="utf-8", newline="") as file:
-            file.write(csv_header(columns["q"].shape[1], columns["v"].shape[1], contacts))
-            for start in range(0, rows, BLOCK):
-                file.write(
-                    csv_rows({name: values[start : start + BLOCK] for name, values in columns.items()})
-                )
-        new.publish()
-    except OSError as error:
-        raise unwritable(new.target, error) from error
-    finally:
-        new.discard()
+    with new_file(path) as new, open(new.part, "w", encoding="utf-8", newline="") as file:
+        file.write(csv_header(columns["q"].shape[1], columns["v"].shape[1], contacts))
+        for start in range(0, rows, BLOCK):
+            file.write(csv_rows({name: values[start : start + BLOCK] for name, values in columns.items()}))
     return new.target

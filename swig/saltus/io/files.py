@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -60,6 +62,19 @@ def writable_folder(path: str | os.PathLike[str]) -> Path:
         reason = f"cannot write into '{folder}': expected a writable folder, got: {error.strerror}"
         raise OSError(error.errno or 0, reason) from error
     return folder
+
+
+@contextmanager
+def new_file(path: str | os.PathLike[str]) -> Iterator[NewFile]:
+    """A file to be written as `part`, which takes its place if nothing is raised. Errors as `NewFile`."""
+    new = NewFile(path)
+    try:
+        yield new
+        new.publish()
+    except OSError as error:
+        raise unwritable(new.target, error) from error
+    finally:
+        new.discard()
 
 
 def unwritable(target: Path, error: Exception) -> OSError:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from saltus import notebook
-from saltus.io.files import NewFile, unwritable
+from saltus.io.files import new_file
 from saltus.io.records import Loaded, Provenance, Rows
 
 if TYPE_CHECKING:
@@ -189,19 +189,12 @@ class FirstOrderTrajectory:
 
         Raises OSError if it cannot be written.
         """
-        new = NewFile(path)
-        try:
-            with h5py.File(new.part, "w") as file:
-                file.attrs["saltus_first_order"] = FORMAT_VERSION
-                file.attrs["layout"] = json.dumps(asdict(self.layout))
-                file.attrs["provenance"] = json.dumps(asdict(self.provenance))
-                for name in COLUMNS:
-                    file.create_dataset(name, data=self.columns()[name])
-            new.publish()
-        except OSError as error:
-            raise unwritable(new.target, error) from error
-        finally:
-            new.discard()
+        with new_file(path) as new, h5py.File(new.part, "w") as file:
+            file.attrs["saltus_first_order"] = FORMAT_VERSION
+            file.attrs["layout"] = json.dumps(asdict(self.layout))
+            file.attrs["provenance"] = json.dumps(asdict(self.provenance))
+            for name in COLUMNS:
+                file.create_dataset(name, data=self.columns()[name])
         return new.target
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
@@ -211,18 +204,11 @@ class FirstOrderTrajectory:
         same to the last bit. Raises OSError if it cannot be written.
         """
         columns = [self.columns()[name] for name in COLUMNS]
-        new = NewFile(path)
-        try:
-            with open(new.part, "w", encoding="utf-8", newline="") as file:
-                file.write(_line(_quoted(label) for label in self.layout.labels()))
-                for row in zip(*(column.tolist() for column in columns), strict=True):
-                    values = chain.from_iterable(v if isinstance(v, list) else (v,) for v in row)
-                    file.write(_line(map(repr, values)))
-            new.publish()
-        except OSError as error:
-            raise unwritable(new.target, error) from error
-        finally:
-            new.discard()
+        with new_file(path) as new, open(new.part, "w", encoding="utf-8", newline="") as file:
+            file.write(_line(_quoted(label) for label in self.layout.labels()))
+            for row in zip(*(column.tolist() for column in columns), strict=True):
+                values = chain.from_iterable(v if isinstance(v, list) else (v,) for v in row)
+                file.write(_line(map(repr, values)))
         return new.target
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from saltus.io.contact_states import ContactState
-from saltus.io.files import NewFile, unwritable, writable_folder
+from saltus.io.files import new_file, unwritable, writable_folder
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonCore import vtkDataArray, vtkStringArray
@@ -190,15 +190,9 @@ def _write_collection(target: Path, name: str, trajectory: Trajectory, rows: Int
         _write(frame(row), folder / file)
         at = {"timestep": repr(float(trajectory.t[row])), "part": "0", "file": f"{name}/{file}"}
         ElementTree.SubElement(collection, "DataSet", at)
-    new = NewFile(target / f"{name}.pvd")
-    try:
+    with new_file(target / f"{name}.pvd") as new:
         ElementTree.indent(root)
         ElementTree.ElementTree(root).write(new.part, encoding="utf-8", xml_declaration=True)
-        new.publish()
-    except OSError as error:
-        raise unwritable(new.target, error) from error
-    finally:
-        new.discard()
     return new.target
 
 

@@ -16,7 +16,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from saltus.io.files import NewFile, unwritable
+from saltus.io.files import new_file
 from saltus.report.content import Content, content_of
 
 if TYPE_CHECKING:
@@ -56,14 +56,8 @@ def write_report(
     """
     content, packed = _packed(trajectory)
     text = _page(content.texts, packed, title or f"Run of {trajectory.provenance.integrator}", caption or "")
-    file = NewFile(path)
-    try:
+    with new_file(path) as file:
         file.part.write_text(text, encoding="utf-8")
-        file.publish()
-    except OSError as error:
-        raise unwritable(file.target, error) from error
-    finally:
-        file.discard()
     return file.target
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from saltus import __version__
-from saltus.io.files import NewFile, unwritable, writable_folder
+from saltus.io.files import new_file, writable_folder
 from saltus.sweep import worker
 from saltus.sweep.study import Run, Study, read_study
 from saltus.sweep.worker import DIED, DONE, Task
@@ -151,16 +151,10 @@ class _Store:
 
     def write(self, run: Run, answer: Mapping[str, Any]) -> None:
         """Keep what became of a run."""
-        new = NewFile(self._folder / f"{run.identity}.json")
-        try:
+        with new_file(self._folder / f"{run.identity}.json") as new:
             content = {"id": run.identity, **run._asdict(), "version": __version__, **answer}
             del content["identity"]
             new.part.write_text(json.dumps(content, indent=1, ensure_ascii=False), encoding="utf-8")
-            new.publish()
-        except OSError as error:
-            raise unwritable(new.target, error) from error
-        finally:
-            new.discard()
         self._status[run.identity] = answer["status"]
 
     def read(self, identity: str) -> dict[str, Any]:

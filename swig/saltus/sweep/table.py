@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from saltus.io.files import NewFile, unwritable
+from saltus.io.files import new_file
 from saltus.sweep.runs import figures_of
 from saltus.sweep.worker import STANDARD_UNITS
 
@@ -69,25 +69,14 @@ def _write_parquet(columns: Mapping[str, Sequence[Any]], units: Mapping[str, str
         metadata = {"unit": units[name]} if name in units else None
         fields.append(pyarrow.field(name, array.type, metadata=metadata))
         arrays.append(array)
-    new = NewFile(path)
-    try:
+    with new_file(path) as new:
         parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields)), new.part)
-        new.publish()
-    finally:
-        new.discard()
 
 
 def _write_csv(columns: Mapping[str, Sequence[Any]], units: Mapping[str, str], path: Path) -> None:
     """Lists are written as in JSON."""
-    new = NewFile(path)
-    try:
-        with new.part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(f"{name} [{units[name]}]" if name in units else name for name in columns)
-            for row in zip(*columns.values(), strict=True):
-                writer.writerow(json.dumps(value) if isinstance(value, list) else value for value in row)
-        new.publish()
-    except OSError as error:
-        raise unwritable(path, error) from error
-    finally:
-        new.discard()
+    with new_file(path) as new, new.part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(f"{name} [{units[name]}]" if name in units else name for name in columns)
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow(json.dumps(value) if isinstance(value, list) else value for value in row)
