@@ -168,6 +168,35 @@ def test_what_a_run_cannot_go_on_with(tmp_path):
         streaming.load(path)
 
 
+def test_a_run_goes_on_only_with_its_own_shapes(tmp_path):
+    def build(shape):
+        ball = sk.LagrangianLinearTIDS([1.0], [0.0], [[1.0]], external_force=[-9.81])
+        if shape:
+            ball.add_shape(sk.Disc(0.1), lambda q: (0.0, q[0], 0.0))
+        return sk.NonSmoothDynamicalSystem([ball])
+
+    path = tmp_path / "run.h5"
+    sk.TimeStepping(build(True), "MoreauJeanOSI", 0.1, file=path).run(0.5)
+    for shape in (False, True):
+        if shape:
+            assert sk.TimeStepping(build(True), "MoreauJeanOSI", 0.1, file=path, resume=True).steps == 5
+            continue
+        with pytest.raises(ValueError, match="its own shapes and places of contacts, 1 and 0, got 0 and 0"):
+            sk.TimeStepping(build(False), "MoreauJeanOSI", 0.1, file=path, resume=True)
+        assert len(read_hdf5(path)) == 6
+
+
+def test_a_run_that_is_cut_off_is_refused_at_once(tmp_path):
+    path = tmp_path / "run.h5"
+    sk.TimeStepping(slider_crank.build(), "MoreauJeanOSI", 1e-4, file=path).run(0.02)
+    content = path.read_bytes()
+    for part in (0.1, 0.5, 0.9):
+        path.write_bytes(content[: int(part * len(content))])
+        script = f"import saltus.io; saltus.io.read_hdf5({str(path)!r})"  # elsewhere: it must not wait
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+        assert "truncated file" in done.stderr
+
+
 def test_a_checkpoint_that_is_torn_does_not_count(tmp_path):
     file = tmp_path / "run.h5"
     simulation = sk.TimeStepping(slider_crank.build(), "HalfExplicitTrapezoidalOSI", 1e-4, file=file)

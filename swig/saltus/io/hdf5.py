@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 FORMAT_VERSION = 4
 LIBRARY = ("v110", "v110")  #: the oldest HDF5 that knows the single-writer mode can read the files
 CHUNK_BYTES = 1 << 22  #: of the rows that are written at a time
+OPEN_ELSEWHERE = ("already open", "flag values don't match")  #: HDF5's words, of others and of this process
 BLOCK_ROWS = 1024  #: at most, of the pieces in which HDF5 stores a dataset
 
 
@@ -222,7 +223,7 @@ def open_run(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
         If it holds something else than a run of Saltus, or one of another format.
     """
     try:
-        file = h5py.File(path, "r", swmr=True)
+        file = _open_for_reading(path)
     except OSError as error:
         raise OSError(f"cannot read '{path}': expected an HDF5 file ({error})") from error
     with file:
@@ -232,6 +233,16 @@ def open_run(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
         if version != FORMAT_VERSION:
             raise ValueError(f"'{path}' has format {version}, this version reads {FORMAT_VERSION}")
         yield file
+
+
+def _open_for_reading(path: str | os.PathLike[str]) -> h5py.File:
+    """As a file that is written only if it is one: there HDF5 waits without end for damage to go away."""
+    try:
+        return h5py.File(path, "r", locking=False)
+    except OSError as error:
+        if not any(sign in str(error) for sign in OPEN_ELSEWHERE):
+            raise
+        return h5py.File(path, "r", swmr=True)
 
 
 def read_run(path: str | os.PathLike[str]) -> tuple[Loaded, Layout, Provenance, Scene]:

@@ -13,6 +13,7 @@ from saltus.io.hdf5 import RunFile, chunk_rows, read_rows
 from saltus.io.records import UNITS, Layout, Provenance
 
 if TYPE_CHECKING:
+    from saltus.io.records import Scene
     from saltus.scene import Appearance
 
 SECONDS = 1.0  #: at most between two chunks: what a killed process loses
@@ -47,8 +48,11 @@ class Stream:
     ) -> None:
         earlier = read_rows(*before) if before else iter(())
         first = next(iter(read_rows(before[0], 1)))[1] if before else recording.columns()
+        scene = look.scene(first["t"], first["q"])
+        if before:
+            _require_same_look(before[0], scene)
         chunk = chunk_rows(first)
-        file = RunFile(path, layout, provenance, first, look.scene(first["t"], first["q"]), chunk)
+        file = RunFile(path, layout, provenance, first, scene, chunk)
         offset = self._before = before[1] if before else 0
 
         def write(start: int, columns: Mapping[str, Any]) -> None:  # without self: it would never die
@@ -100,6 +104,22 @@ class FileColumns(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(UNITS)
+
+
+def _require_same_look(path: str | os.PathLike[str], scene: Scene) -> None:
+    """Raise ValueError unless the run in a file has the shapes and places of this scene."""
+    _, _, its = next(iter(read_rows(path, 1)))
+    found, here = (
+        [(shape.system, shape.kind, shape.poses.shape[1:]) for shape in each.shapes]
+        + [(place.contact, place.directions.shape[1:]) for place in each.places]
+        for each in (its, scene)
+    )
+    if found != here:
+        raise ValueError(
+            f"the run in '{path}' goes on only with its own shapes and places of contacts, "
+            f"{len(its.shapes)} and {len(its.places)}, got {len(scene.shapes)} and {len(scene.places)} "
+            f"or others"
+        )
 
 
 def _finish(recording: Recording, file: RunFile) -> None:
