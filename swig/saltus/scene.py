@@ -65,8 +65,8 @@ class Appearance:
             for shape, pose in ds.__dict__.get("_shapes", [])
         ]
         shapes += [PlacedShape(-1, shape, pose, None) for shape, pose in system.scenery]
-        names = [name for name, *_ in system.contacts()]
-        places = [_placer(system, index, name, parts) for index, name in enumerate(names)]
+        contacts = [(name, rows) for name, _, rows, *_ in system.contacts()]
+        places = [_placer(system, index, name, rows, parts) for index, (name, rows) in enumerate(contacts)]
         return Appearance(tuple(shapes), tuple(places))
 
     def scene(self, t: FloatArray, q: FloatArray) -> Scene:
@@ -100,26 +100,31 @@ class PlacedShape:
 
     def _poses(self, t: FloatArray, q: FloatArray) -> FloatArray:
         of = t if self.part is None else q[:, self.part]
-        if self.pose is None:
+        if self.pose is None and self.part is not None:
             return np.ascontiguousarray(of)  # position and quaternion of a rigid body
         if not callable(self.pose):
-            return self._require(np.tile(np.asarray(self.pose, dtype=float), (len(t), 1)))
+            return self._require([self.pose] * len(t))
         pose: Callable[[Any], Sequence[float]] = self.pose
-        return self._require(np.array([pose(row) for row in of], dtype=float).reshape(len(of), -1))
+        return self._require([pose(row) for row in of])
 
-    def _require(self, poses: FloatArray) -> FloatArray:
-        if poses.shape[1] not in (3, 7) or not np.isfinite(poses).all():
-            raise ValueError(
-                f"the pose of {self.shape} must be three finite numbers (x, y, angle), or seven in space, "
-                f"got {poses.shape[1]} in the first row: {poses[0] if len(poses) else poses}"
-            )
+    def _require(self, found: Sequence[Any]) -> FloatArray:
+        expected = f"the pose of {self.shape} must be three finite numbers (x, y, angle), or seven in space"
+        try:
+            poses = np.array(found, dtype=float).reshape(len(found), -1)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{expected}, the same in every row, got {found[0]} in the first") from error
+        if poses.shape[1] not in (3, 7):
+            raise ValueError(f"{expected}, got {poses.shape[1]} in the first row: {found[0]}")
+        wrong = ~np.isfinite(poses).all(axis=1)
+        if wrong.any():
+            raise ValueError(f"{expected}, got {poses[wrong][0]} in row {int(np.argmax(wrong))}")
         return poses
 
 
 def _placer(
-    system: NonSmoothDynamicalSystem, index: int, name: str, parts: Sequence[slice]
+    system: NonSmoothDynamicalSystem, index: int, name: str, rows: int, parts: Sequence[slice]
 ) -> Callable[[FloatArray], PlaceRecord | None]:
-    """What tells where a contact is."""
+    """What tells where a contact with so many rows is."""
     interaction, ends = system.links[index]
     given: Place | None = interaction.__dict__.get("_place")
 
@@ -132,20 +137,27 @@ def _placer(
 
     def told(q: FloatArray) -> PlaceRecord:
         linked = np.hstack([q[:, parts[end]] for end in ends])
-        return _place_record(name, [given(row) for row in linked])
+        return _place_record(name, rows, [given(row) for row in linked])
 
     return told
 
 
-def _place_record(name: str, places: Sequence[Sequence[Sequence[float] | FloatArray]]) -> PlaceRecord:
+def _place_record(
+    name: str, rows: int, places: Sequence[Sequence[Sequence[float] | FloatArray]]
+) -> PlaceRecord:
     try:
         found = np.array(places, dtype=np.float32)
     except (TypeError, ValueError) as error:
         raise ValueError(f"the place of {name!r} must be a point and directions, got {places[0]}") from error
-    if found.ndim != 3 or found.shape[2] not in (2, 3) or found.shape[1] > 4 or not np.isfinite(found).all():
+    if (
+        found.ndim != 3
+        or found.shape[2] not in (2, 3)
+        or found.shape[1] > 1 + min(rows, 3)
+        or not np.isfinite(found).all()
+    ):
         raise ValueError(
-            f"the place of {name!r} must be a point and at most three directions, each of 2 or 3 finite "
-            f"numbers, got {places[0]} in the first row"
+            f"the place of {name!r} must be a point and at most three directions, no more than its rows, "
+            f"{rows}, each of 2 or 3 finite numbers, got {places[0]} in the first row"
         )
     in_space = np.zeros((*found.shape[:2], 3), dtype=np.float32)
     in_space[:, :, : found.shape[2]] = found

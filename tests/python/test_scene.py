@@ -143,6 +143,7 @@ def test_a_place_that_is_told(tmp_path):
         (lambda q: ((0.0,), (1.0,)), "point and at most three directions"),
         (lambda q: ((0.0, 1.0), (1.0,)), "must be a point and directions"),
         (lambda q: 3.0, "point and at most three directions"),
+        (lambda q: ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0)), "no more than its rows, 1"),
     ],
 )
 def test_places_that_are_none(place, said):
@@ -176,3 +177,11 @@ def test_misuse_of_shapes():
     ]:
         with pytest.raises(ValueError, match=said):
             make()
+
+
+@pytest.mark.parametrize("pose", [None, "here", lambda t: (0.0, 0.0) if t > 0 else (0.0, 0.0, 0.0)])
+def test_a_pose_that_is_none_is_named(pose):
+    system = sk.NonSmoothDynamicalSystem([sk.LagrangianLinearTIDS([0.0], [0.0], [[1.0]])])
+    system.add_shape(sk.Disc(1.0), pose)
+    with pytest.raises(ValueError, match=r"the pose of Disc\(radius=1.0\) must be three finite numbers"):
+        _ = sk.TimeStepping(system, "ExplicitMoreauJeanOSI", 0.1).run(0.2).shapes
