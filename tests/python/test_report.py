@@ -395,3 +395,21 @@ def test_a_first_order_run(browser, tmp_path):
     states = data[titles.index("States x")][1]
     np.testing.assert_allclose(states, run.x[:, 0], atol=1e-6)
     assert max(data[titles.index("Multipliers λ")][1]) == pytest.approx(run.lambda_.max())
+
+
+def test_a_scheme_with_forces_is_not_said_to_have_none(tmp_path):
+    # its run ends before anything is carried
+    run = sk.TimeStepping(bouncing_ball.build(), "HalfExplicitTrapezoidalOSI", 1e-3).run(0.6)
+    assert run.impulsive.any()
+    notes = {panel["title"]: panel["note"] for panel in texts(run.report(tmp_path / "run.html"))["panels"]}
+    assert notes["Contact forces λ"] == "Mean over the step."
+
+
+def test_times_that_differ_are_written_differently(opened):
+    opened("window.saltusPage.zoom([0.0500, 0.0501])")
+    opened("window.saltusPage.plots.plots[0].redraw()")
+    ticks = opened("window.saltusPage.plots.plots[0].axes[0]._values")
+    assert len(set(ticks)) == len(ticks) > 1
+    assert opened("document.getElementById('shown').textContent") == "0.05 s to 0.0501 s"
+    assert opened("[0.25, 0.5].map((v) => shortNumber(v, 0.25))") == ["0.25", "0.5"]
+    opened("window.saltusPage.zoom(window.saltusPage.whole)")

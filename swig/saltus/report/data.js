@@ -30,6 +30,12 @@ function colour(name) {
 const PALETTE = ["#3b76af", "#e07b39", "#4f9d5b", "#c44e52", "#8172b3", "#937860", "#d687bd", "#7f8a93", "#b6a83a", "#4fb0c6"];
 const paletteColour = (k) => PALETTE[k % PALETTE.length];
 
+// As many digits as tell times in this range apart that differ by so much.
+function digitsOf([low, high], difference, least) {
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  return difference > 0 ? Math.min(Math.max(Math.ceil(Math.log10(size / difference)) + 1, least), 15) : least;
+}
+
 // A number with unit that people can read: 1.23e-5 s, 0.0042 m
 function written(value, unit, digits = 4) {
   if (value === 0) return `0 ${unit}`;

@@ -19,6 +19,7 @@ class Page {
     this.events = eventsOf(run);
     this.range = run.span[0] < run.span[1] ? [...run.span] : [run.span[0], run.span[0] + 1];
     this.whole = [...this.range];
+    this.digits = digitsOf(run.span, (run.span[1] - run.span[0]) / run.rows[1], 6); // of the time of a row
     get("animation").hidden = !run.shapes;
     if (run.shapes?.length) this.scene = new SceneView(run, get("scene"), () => this.draw());
     else if (run.shapes) this.hideScene();
@@ -44,7 +45,7 @@ class Page {
     legend(get("states"), run.states.filter((_, k) => run.contacts.some((c) => c.intervals.some((i) => i[2] === k))));
     if (this.scene && run.arrow_names.length) arrowLegend(get("legend"), run.largest);
     const body = get("events").tBodies[0];
-    for (const event of this.events.slice(0, MOST_EVENTS)) body.append(eventRow(event, (time) => this.seek(time)));
+    for (const event of this.events.slice(0, MOST_EVENTS)) body.append(eventRow(event, this.digits, (time) => this.seek(time)));
     if (this.events.length > MOST_EVENTS) get("more-events").textContent = `… and ${this.events.length - MOST_EVENTS} more.`;
     if (run.more_contacts) get("more-events").textContent += ` ${run.more_contacts} contacts that carried less are left out.`;
     const chooser = get("chooser");
@@ -141,7 +142,8 @@ class Page {
     this.range = [Math.max(low, this.whole[0]), Math.min(Math.max(high, low + least), this.whole[1])];
     this.plots.show(this.range);
     if (this.timeline) this.timeline.show(this.range);
-    get("shown").textContent = `${written(this.range[0], "s")} to ${written(this.range[1], "s")}`;
+    const digits = digitsOf(this.range, (this.range[1] - this.range[0]) / 100, 4);
+    get("shown").textContent = this.range.map((end) => written(end, "s", digits)).join(" to ");
     this.draw();
   }
 
@@ -170,7 +172,7 @@ class Page {
     if (this.timeline && this.timeline.range) this.timeline.draw(this.time);
     this.plots.head(this.time);
     get("time").value = this.time;
-    get("clock").textContent = `t = ${written(this.time, "s", 6)}`;
+    get("clock").textContent = `t = ${written(this.time, "s", this.digits)}`;
     get("pace").textContent = `a second shows ${written(this.pace * this.speed(), "s", 3)}`;
     get("now").textContent = this.sentence(flash);
   }
@@ -215,10 +217,10 @@ function eventsOf(run) {
   }, []);
 }
 
-function eventRow(event, seek) {
+function eventRow(event, digits, seek) {
   const row = document.createElement("tr"), button = document.createElement("button");
   button.type = "button";
-  button.textContent = written(event.time, "s", 6);
+  button.textContent = written(event.time, "s", digits);
   button.addEventListener("click", () => seek(event.time));
   const impulse = event.impulse ? ` with ${written(event.impulse, "N s", 3)}${event.names.length > 1 ? " together" : ""}` : "";
   const what = [event.what + impulse, event.then];

@@ -70,7 +70,8 @@ def first_order_panels(run: FirstOrderTrajectory) -> list[Panel]:
 
 def _contact_panels(trajectory: Trajectory, contacts: Sequence[str]) -> list[Panel]:
     mean = "Mean over the step."
-    if not trajectory.told_apart:
+    # a run in which nothing carries does not know whether its scheme has λ
+    if not trajectory.told_apart and any(trajectory.reactions(name)[0].any() for name in contacts):
         mean = "The scheme has impulses alone: Λ/Δt where there is no impact."
     read: list[tuple[str, str, str, Callable[[str], FloatArray], str]] = [
         ("Gaps g", "m", "lines", lambda name: trajectory[name].gap, "Closed where g ≤ 0."),

@@ -34,15 +34,16 @@ class Plots {
   }
 
   options(panel, holder) {
-    const axis = { stroke: () => colour("soft"), grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line") } };
+    const values = (plot, ticks, number, space, step) => ticks.map((v) => (v === null ? "" : shortNumber(v, panel.kind === "log" && number === 1 ? Math.abs(v) : step)));
+    const axis = { values, stroke: () => colour("soft"), grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line") } };
     return {
       width: holder.clientWidth || 300,
       height: PLOT_HEIGHT,
       legend: { show: panel.lines.length <= MOST_IN_LEGEND },
       cursor: { sync: { key: "run" }, drag: { x: true, y: false, setScale: false }, focus: { prox: 12 } },
       scales: { x: { time: false, range: (_, low, high) => [low, high] }, y: panel.kind === "log" ? { distr: 3 } : {} },
-      axes: [{ ...axis, size: 34 }, { ...axis, size: 66, values: (_, ticks) => ticks.map((v) => (v === null ? "" : shortNumber(v))) }],
-      series: [{ label: "t [s]", value: (_, v) => (v === null ? "" : written(v, "s", 6)) }, ...panel.lines.map((line, k) => this.line(line, k, panel))],
+      axes: [{ ...axis, size: 34, space: 80 }, { ...axis, size: 66 }],
+      series: [{ label: "t [s]", value: (_, v) => (v === null ? "" : written(v, "s", 9)) }, ...panel.lines.map((line, k) => this.line(line, k, panel))],
       hooks: {
         drawClear: [(plot) => this.mark(plot)],
         setSelect: [(plot) => {
@@ -126,8 +127,8 @@ function nonzero(plot, index, show) {
   return kept.length <= 2000 ? kept : null;
 }
 
-function shortNumber(value) {
-  const size = Math.abs(value);
-  if (value === 0) return "0";
-  return size < 1e-3 || size >= 1e5 ? value.toExponential(1).replace(/\.0e/, "e") : String(Number(value.toPrecision(5)));
+// With as many digits as tell it from a number that differs by a step.
+function shortNumber(value, step) {
+  if (Math.abs(value) < 1e-6 * step) return "0";
+  return written(value, "", digitsOf([value, value], step / 100, 1)).trim();
 }

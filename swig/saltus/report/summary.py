@@ -33,7 +33,7 @@ def first_order_summary(run: FirstOrderTrajectory) -> dict[str, Lines]:
 
 def _span(run: Trajectory | FirstOrderTrajectory) -> Lines:
     return [
-        ["time", f"{run.t[0]:g} s to {run.t[-1]:g} s"],
+        ["time", f"{run.t[0]:.12g} s to {run.t[-1]:.12g} s"],
         ["steps", f"{int(run.step[-1])} of {run.provenance.time_step:g} s"],
     ]
 

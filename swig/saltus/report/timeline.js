@@ -80,11 +80,12 @@ class Timeline {
 
   paintAxis(context) {
     const y = LINE * this.contacts.length + 16;
+    const digits = digitsOf(this.range, (this.range[1] - this.range[0]) / 100, 4);
     context.fillStyle = colour("soft");
     for (const [part, align] of [[0, "left"], [0.5, "center"], [1, "right"]]) {
       context.textAlign = align;
       const time = this.range[0] + part * (this.range[1] - this.range[0]);
-      context.fillText(written(time, "s"), this.labels() + part * (this.width - this.labels() - 4), y);
+      context.fillText(written(time, "s", digits), this.labels() + part * (this.width - this.labels() - 4), y);
     }
   }
 }
