@@ -62,7 +62,7 @@ class Arrows:
 
 
 def arrows_of(trajectory: Trajectory, places: Sequence[PlaceRecord], rows: IntArray) -> Arrows:
-    """Of the contacts whose places are known, in these rows."""
+    """Of the contacts whose places are known in these rows."""
     states = [trajectory[place.contact].states[rows] for place in places]
     seen = np.array(
         [np.full(len(rows), len(places) <= ALWAYS_SHOWN) | (s != ContactState.OPEN) for s in states]
@@ -92,10 +92,9 @@ def _acting(
     trajectory: Trajectory, place: PlaceRecord, rows: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Point, force and impulse in space (rows, 3)."""
-    directions = place.directions[rows]
-    known = directions.shape[1]
+    known = place.directions.shape[1]
     force, impulse = (
-        np.einsum("rk,rkx->rx", values[rows, :known], directions)
+        np.einsum("rk,rkx->rx", values[rows, :known], place.directions)
         for values in trajectory.reactions(place.contact)
     )
-    return place.point[rows], force, impulse
+    return place.point, force, impulse

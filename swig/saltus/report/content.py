@@ -16,6 +16,7 @@ from saltus.report.summary import first_order_summary, summary_of
 
 if TYPE_CHECKING:
     from saltus.io import Scene
+    from saltus.io.records import ShapeRecord
     from saltus.typing import FloatArray, IntArray
 
 FEWEST_ROWS = 200
@@ -45,20 +46,19 @@ def content_of(run: Trajectory | FirstOrderTrajectory, size: int) -> Content:
 
 
 def _mechanical(run: Trajectory, size: int) -> Content:
-    scene, contacts = run.scene, ranking(run)
+    first, contacts = run.scene_in(np.arange(1)), ranking(run)
     panels = panels_of(run, contacts)
-    numbers = sum(shape.poses.shape[1] for shape in scene.shapes) + 4 * len(scene.places)
+    numbers = sum(shape.poses.shape[1] for shape in first.shapes) + 4 * len(first.places)
     most = most_rows(panels, numbers, size)
     rows = rows_of(len(run), panels, strongest_impacts(run, most // 4), most)
+    scene = run.scene_in(rows)  # of these alone: poses can be functions in Python
     arrays = _Arrays()
-    shapes = [
-        _put_shape(arrays, number, shape, rows) for number, shape in enumerate(scene.shapes[:MOST_SHAPES])
-    ]
+    shapes = [_put_shape(arrays, number, shape) for number, shape in enumerate(scene.shapes[:MOST_SHAPES])]
     arrows = arrows_of(run, scene.places, rows)
     _put_arrows(arrays, arrows)
     texts = {
         "summary": summary_of(run),
-        "bounds": bounds_of(scene, rows),
+        "bounds": bounds_of(scene, len(rows)),
         "spatial": any(shape.spatial for shape in scene.shapes),
         "shapes": shapes,
         "more_shapes": max(len(scene.shapes) - MOST_SHAPES, 0),
@@ -123,9 +123,9 @@ def rows_of(total: int, panels: Sequence[Panel], hits: IntArray, most: int) -> I
     return np.unique(np.concatenate(kept))
 
 
-def bounds_of(scene: Scene, rows: IntArray) -> list[list[float]]:
-    """Lowest and highest coordinates of all shapes in at most 200 of these rows [m]."""
-    few = rows[:: max(len(rows) // 200, 1)]
+def bounds_of(scene: Scene, rows: int) -> list[list[float]]:
+    """Lowest and highest coordinates of all shapes in about 200 of its rows, evenly [m]."""
+    few = range(0, rows, max(rows // 200, 1))
     seen = [shape.in_space(row) for shape in scene.shapes[:MOST_SHAPES] for row in few]
     if not seen:
         return [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
@@ -154,8 +154,8 @@ class _Arrays:
         return b"".join(self._chunks)
 
 
-def _put_shape(arrays: _Arrays, number: int, shape: Any, rows: IntArray) -> dict[str, Any]:
-    poses = shape.poses[rows]
+def _put_shape(arrays: _Arrays, number: int, shape: ShapeRecord) -> dict[str, Any]:
+    poses = shape.poses
     if (poses == poses[0]).all():
         poses = poses[:1]  # it stands still
     arrays.put(f"points{number}", shape.points, "float32")
