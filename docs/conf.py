@@ -35,7 +35,7 @@ nitpick_ignore_regex = [
     ),
     (
         r"py:.*",
-        r"(Sets|When|Rows|ContactImpulses|NonSmoothDynamicalSystemBase|ContactSlot|Shape|Place|Appearance|AxesArray|StateArray)",
+        r"(Sets|When|Rows|ContactImpulses|NonSmoothDynamicalSystemBase|ContactSlot|Shape)",
     ),
     (r"py:.*", r"saltus\.(_core|registry|functions|io\.records)\..*"),
     (r"cpp:identifier", r".*"),

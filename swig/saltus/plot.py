@@ -136,6 +136,8 @@ def positions(ax: Axes, trajectory: Trajectory) -> None:
 
 def shapes(ax: Axes, trajectory: Trajectory, rows: Sequence[int], plane: str = "xy") -> None:
     """The lines of all shapes in these rows of the run, the last one darkest."""
+    if len(plane) != 2 or not set(plane) <= set("xyz"):
+        raise ValueError(f"plane must be two of the axes x, y, z, as 'xy', got {plane!r}")
     axes = ["xyz".index(axis) for axis in plane]
     ax.set_aspect("equal")
     for order, row in enumerate(rows):

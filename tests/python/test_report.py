@@ -14,7 +14,8 @@ from saltus.examples.disc_pile import disc_pile
 from saltus.examples.gallery import examples
 from saltus.examples.heavy_top import heavy_top
 from saltus.examples.slider_crank import slider_crank
-from saltus.io import ContactState
+from saltus.io import ContactState, Trajectory
+from saltus.io.records import Loaded
 
 webdriver = pytest.importorskip("selenium.webdriver")
 LIMIT = 3_000_000  #: bytes of a page
@@ -413,3 +414,23 @@ def test_times_that_differ_are_written_differently(opened):
     assert opened("document.getElementById('shown').textContent") == "0.05 s to 0.0501 s"
     assert opened("[0.25, 0.5].map((v) => shortNumber(v, 0.25))") == ["0.25", "0.5"]
     opened("window.saltusPage.zoom(window.saltusPage.whole)")
+
+
+def test_a_contact_that_flickers_does_not_burst_the_page(browser, tmp_path):
+    run = sk.TimeStepping(bouncing_ball.build(), "HalfExplicitTrapezoidalOSI", 1e-5).run(2.0)
+    columns = {name: np.array(values) for name, values in run.columns().items()}
+    columns["force"][::2] = 1.0
+    columns["force"][1::2] = 0.0
+    columns["impulse"][1001] = np.inf
+    flickering = Trajectory(Loaded(len(run), columns), run.layout, run.provenance)
+    path = flickering.report(tmp_path / "flicker.html")
+    assert path.stat().st_size < LIMIT
+    page = Opened(browser, path)
+    assert page.errors() == []
+    assert "States change too often" in page("document.getElementById('more-events').textContent")
+
+
+def test_texts_are_texts(tmp_path):
+    run = sk.TimeStepping(bouncing_ball.build(), "HalfExplicitTrapezoidalOSI", 1e-3).run(0.01)
+    with pytest.raises(TypeError, match="caption must be text, got int"):
+        run.report(tmp_path / "page.html", caption=3)

@@ -164,6 +164,9 @@ def test_misuse_of_shapes():
         sk.NonSmoothDynamicalSystem([ball]).add_shape("floor")
     with pytest.raises(TypeError, match="place must be a function"):
         sk.Interaction(sk.LagrangianLinearTIR([[1.0]]), sk.NewtonImpactNSL(0.5)).show_at((0.0, 0.0))
+    for value in ("a", None, True):
+        with pytest.raises(TypeError, match="radius must be a number, got"):
+            sk.Disc(value)
     for make, said in [
         (lambda: sk.Sphere(0.0), "radius must be positive"),
         (lambda: sk.Box(1.0, 1.0, -1.0), "depth must be positive"),

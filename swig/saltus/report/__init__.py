@@ -11,6 +11,7 @@ import base64
 import gzip
 import html
 import json
+import math
 import os
 from importlib import resources
 from pathlib import Path
@@ -54,6 +55,9 @@ def write_report(
     OSError
         If the file cannot be written; what was there is untouched.
     """
+    for what, words in (("title", title), ("caption", caption)):
+        if words is not None and not isinstance(words, str):
+            raise TypeError(f"{what} must be text, got {type(words).__name__}")
     content, packed = _packed(trajectory)
     text = _page(content.texts, packed, title or f"Run of {trajectory.provenance.integrator}", caption or "")
     with new_file(path) as file:
@@ -93,4 +97,13 @@ def _read(name: str) -> str:
 
 def _script_safe(texts: dict[str, Any]) -> str:
     """JSON that cannot end the element it stands in."""
-    return json.dumps(texts, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+    return json.dumps(_finite(texts), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+def _finite(content: Any) -> Any:
+    """Without NaN and infinity, which JSON does not have."""
+    if isinstance(content, dict):
+        return {name: _finite(value) for name, value in content.items()}
+    if isinstance(content, list):
+        return [_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content

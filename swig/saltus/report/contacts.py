@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from saltus.typing import FloatArray, IntArray, StateArray
 
 MOST_CONTACTS = 60  #: of the timeline
+MOST_CHANGES = 20_000  #: of all contacts, from one state to another
 ALWAYS_SHOWN = 12  #: so few are shown in the animation while they are open, too
 
 
@@ -30,10 +31,19 @@ def ranking(trajectory: Trajectory) -> list[str]:
     return [names[k] for k in most]
 
 
-def intervals_of(trajectory: Trajectory, name: str) -> list[list[float]]:
+def rows_of_states(trajectory: Trajectory, contacts: Sequence[str]) -> IntArray:
+    """Rows at which the timeline looks: all, or evenly some if there are more changes than it can carry."""
+    total = len(trajectory)
+    changes = sum(int(np.count_nonzero(np.diff(trajectory[name].states))) for name in contacts)
+    if changes <= MOST_CHANGES:
+        return np.arange(total)
+    return np.unique(np.linspace(0, total - 1, MOST_CHANGES // len(contacts)).round().astype(int))
+
+
+def intervals_of(trajectory: Trajectory, name: str, rows: IntArray) -> list[list[float]]:
     """[start, end, state] of a contact from the first time to the last [s], an impact with its |Λ| [N s]."""
-    record, t = trajectory[name], trajectory.t
-    states = record.states
+    record, t = trajectory[name], trajectory.t[rows]
+    states = record.states[rows]
     first = np.flatnonzero(np.diff(states, prepend=-1))
     end = np.append(first[1:], len(states)) - 1
     hit = states[first] == ContactState.IMPACT
@@ -42,7 +52,7 @@ def intervals_of(trajectory: Trajectory, name: str) -> list[list[float]]:
     intervals = [[float(a), float(b), int(s)] for a, b, s in zip(start, t[end], states[first], strict=True)]
     for interval, row in zip(intervals, first, strict=True):
         if interval[2] == ContactState.IMPACT:
-            interval.append(float(np.linalg.norm(record.impulse[row])))
+            interval.append(float(np.linalg.norm(record.impulse[rows[row]])))
     return intervals
 
 

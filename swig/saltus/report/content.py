@@ -10,7 +10,7 @@ import numpy as np
 
 from saltus.io import FirstOrderTrajectory, Trajectory
 from saltus.io.contact_states import ContactState
-from saltus.report.contacts import Arrows, arrows_of, intervals_of, ranking
+from saltus.report.contacts import Arrows, arrows_of, intervals_of, ranking, rows_of_states
 from saltus.report.panels import Panel, first_order_panels, panels_of
 from saltus.report.summary import first_order_summary, summary_of
 
@@ -56,13 +56,15 @@ def _mechanical(run: Trajectory, size: int) -> Content:
     shapes = [_put_shape(arrays, number, shape) for number, shape in enumerate(scene.shapes[:MOST_SHAPES])]
     arrows = arrows_of(run, scene.places, rows)
     _put_arrows(arrays, arrows)
+    looked = rows_of_states(run, contacts)
     texts = {
         "summary": summary_of(run),
         "bounds": bounds_of(scene, len(rows)),
         "spatial": any(shape.spatial for shape in scene.shapes),
         "shapes": shapes,
         "more_shapes": max(len(scene.shapes) - MOST_SHAPES, 0),
-        "contacts": [{"name": name, "intervals": intervals_of(run, name)} for name in contacts],
+        "contacts": [{"name": name, "intervals": intervals_of(run, name, looked)} for name in contacts],
+        "coarse": len(looked) if len(looked) < len(run) else 0,
         "more_contacts": len(run.contacts) - len(contacts),
         "states": [state.name for state in ContactState],
         "largest": {"force": arrows.largest_force, "impulse": arrows.largest_impulse},

@@ -38,6 +38,7 @@ function digitsOf([low, high], difference, least) {
 
 // A number with unit that people can read: 1.23e-5 s, 0.0042 m
 function written(value, unit, digits = 4) {
+  if (value === null) return `? ${unit}`; // not finite
   if (value === 0) return `0 ${unit}`;
   const size = Math.abs(value);
   const rounded = Number(value.toPrecision(digits));

@@ -48,6 +48,7 @@ class Page {
     for (const event of this.events.slice(0, MOST_EVENTS)) body.append(eventRow(event, this.digits, (time) => this.seek(time)));
     if (this.events.length > MOST_EVENTS) get("more-events").textContent = `… and ${this.events.length - MOST_EVENTS} more.`;
     if (run.more_contacts) get("more-events").textContent += ` ${run.more_contacts} contacts that carried less are left out.`;
+    if (run.coarse) get("more-events").textContent += ` States change too often for a page: it looks at ${run.coarse} rows.`;
     const chooser = get("chooser");
     chooser.hidden = this.plots.contacts.length < 2;
     this.plots.contacts.forEach((name, k) => chooser.append(choice(name, paletteColour(k), this.plots)));
