@@ -293,6 +293,12 @@ class NonSmoothDynamicalSystem(_core.NonSmoothDynamicalSystemBase):
         return notebook.model(self)
 
 
+def _forces_at_rest(scheme: OneStepIntegrator) -> bool | None:
+    """What the table of integrators says of a scheme, if it is there."""
+    known = {entry["name"]: entry["properties"] for entry in integrators()}
+    return known[scheme.name]["forces_at_rest"] if scheme.name in known else None
+
+
 def _weakly(simulation: TimeStepping) -> Callable[[int], bytes]:
     """Checkpoints of a simulation that is not kept alive by who asks for them; empty when it is gone."""
     known = weakref.ref(simulation)
@@ -377,6 +383,7 @@ class TimeStepping(_core.TimeSteppingBase):
             int(record_every),
             system.parameters,
             float(tolerance),
+            _forces_at_rest(scheme),
         )
         self._start: dict[str, Any] = {"t0": system.t0, "q0": self.q, "v0": self.v}
         self._look: Appearance = Appearance.of(system)

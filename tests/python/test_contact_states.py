@@ -1,5 +1,7 @@
 """States of contacts over time, against motions whose phases are known."""
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
@@ -181,3 +183,19 @@ def test_bounces_in_recorded_rows_that_follow_each_other_are_impacts():
     """With rows of impulsive steps alone, the row before is that of the bounce before."""
     run = sk.TimeStepping(bouncing_ball.build(), "MoreauJeanOSI", 1e-3, record_every=10**6).run(2.0)
     assert run["floor"].states.tolist() == [OPEN, *len(bounces(2.0)) * [IMPACT]]
+
+
+def test_a_run_without_rest_is_judged_by_its_scheme():
+    # two impacts in rows that follow each other, no force: both are impacts but under Moreau-Jean
+    half = sk.TimeStepping(bouncing_ball.build(), "HalfExplicitTrapezoidalOSI", 1e-3).run(1.0)
+    assert not half["floor"].force.any()
+    assert half.told_apart
+    for provenance, second in (
+        (half.provenance, IMPACT),
+        (replace(half.provenance, forces_at_rest=False), ContactState.CLOSED),
+    ):
+        columns = {name: np.array(values) for name, values in half.columns().items()}
+        row = int(np.flatnonzero(half.impulsive)[0])
+        columns["impulse"][row + 1] = columns["impulse"][row]
+        states = Trajectory(Loaded(len(half), columns), half.layout, provenance)["floor"].states
+        assert states[row : row + 2].tolist() == [IMPACT, second]

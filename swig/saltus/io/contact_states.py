@@ -39,10 +39,11 @@ class Reactions:
     told_apart: bool  #: are there forces λ besides impulses Λ? Moreau-Jean has none: what acts in a step is Λ
 
     @staticmethod
-    def of(columns: Mapping[str, Any]) -> Reactions:
-        """Of these columns of a run, name: (rows, ...)."""
+    def of(columns: Mapping[str, Any], forces_at_rest: bool | None) -> Reactions:
+        """Of these columns of a run, name: (rows, ...); what is not known of its integrator they tell."""
         force, impulse = _largest(columns["force"]), _largest(columns["impulse"])
-        return Reactions(ROUNDING * force, ROUNDING * impulse, force > 0.0 or impulse == 0.0)
+        told_apart = force > 0.0 or impulse == 0.0 if forces_at_rest is None else forces_at_rest
+        return Reactions(ROUNDING * force, ROUNDING * impulse, told_apart)
 
 
 def contact_states(columns: Mapping[str, Any], slot: ContactSlot, run: Reactions) -> StateArray:

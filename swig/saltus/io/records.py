@@ -121,6 +121,9 @@ class Provenance:
     record_every: int
     parameters: Mapping[str, Any]  #: of the model, as its author named them
     tolerance: float = 1e-12  #: of the contact problems
+    forces_at_rest: bool | None = (
+        None  #: has the integrator forces λ besides impulses Λ? None: not registered
+    )
     version: str = __version__  #: of Saltus
     created: str = field(default_factory=lambda: datetime.now(timezone.utc).isoformat())  #: start, wall clock
 

@@ -399,7 +399,7 @@ class Trajectory:
     def _reactions(self) -> Reactions:
         columns = self.columns()
         if self._run is None:
-            self._run = Reactions.of(columns)
+            self._run = Reactions.of(columns, self.provenance.forces_at_rest)
         return self._run
 
     def _states_of(self, name: str) -> StateArray:
