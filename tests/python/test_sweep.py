@@ -92,7 +92,13 @@ def saltus(*arguments, cwd):
 
 def start(*arguments, cwd):
     return subprocess.Popen(
-        [SALTUS, "sweep", *arguments], cwd=cwd, stderr=subprocess.PIPE, text=True, start_new_session=True
+        [SALTUS, "sweep", *arguments],
+        cwd=cwd,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # what runs in the background ignores Ctrl-C, and so would its children
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
 
 
