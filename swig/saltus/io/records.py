@@ -196,6 +196,11 @@ class PlaceRecord:
     point: FloatArray  #: (rows, 3) [m]
     directions: FloatArray  #: (rows, up to 3, 3), of the contact's first rows
 
+    def in_space(self, values: FloatArray) -> FloatArray:
+        """Forces or impulses (rows, rows of the contact) as vectors (rows, 3), where directions are known."""
+        vectors: FloatArray = np.einsum("rk,rkx->rx", values[:, : self.directions.shape[1]], self.directions)
+        return vectors
+
 
 @dataclass(frozen=True)
 class Scene:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from saltus.typing import AxesArray, BoolArray, FloatArray, IntArray, StateArray
 
 
+BLOCK = 65536  #: rows that are summed at a time
 NOTHING = Scene()  #: that is seen
 
 
@@ -217,6 +218,29 @@ class Trajectory:
         for name in self.contacts:
             hit |= self._states_of(name) == ContactState.IMPACT
         return hit
+
+    def busiest_contacts(self, most: int) -> list[str]:
+        """Names of all contacts; of more than `most` those that pressed most, in their order."""
+        names = list(self.contacts)
+        if len(names) <= most:
+            return names
+        force, impulse = self.columns()["force"], self.columns()["impulse"]
+        pressed = np.zeros(force.shape[1])  # [N s]
+        for start in range(0, len(force), BLOCK):  # without a copy of all
+            rows = slice(start, start + BLOCK)
+            pressed += self.provenance.time_step * np.abs(force[rows]).sum(axis=0)
+            pressed += np.abs(impulse[rows]).sum(axis=0)
+        normal = [pressed[slot.row : slot.row + slot.gaps].sum() for slot in self.layout.contacts.values()]
+        busiest = sorted(range(len(names)), key=lambda k: -normal[k])[:most]  # stable: the first of equals
+        return [names[k] for k in sorted(busiest)]
+
+    def strongest_impacts(self, most: int) -> IntArray:
+        """Rows with an impact; of more than `most` those with the largest impulses."""
+        hits = np.flatnonzero(self.impacts)
+        if len(hits) <= most:
+            return hits
+        strength = np.abs(self.columns()["impulse"][hits]).sum(axis=1)
+        return hits[np.argsort(strength, kind="stable")[-most:]]
 
     def reactions(self, name: str) -> tuple[FloatArray, FloatArray]:
         """Forces [N] and impulses [N s] of a contact, each (rows of the run, rows of the contact).

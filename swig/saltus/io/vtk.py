@@ -59,12 +59,9 @@ def frames_of(trajectory: Trajectory, every: int | None) -> IntArray:
         raise ValueError("expected a run with rows, got none")
     if every is not None and every < 1:
         raise ValueError(f"every must be at least 1, got {every}")
-    hits = np.flatnonzero(trajectory.impacts)
     if every is not None:
-        return np.union1d(np.arange(0, count, every), hits)
-    if len(hits) > MOST_FRAMES:
-        strength = np.abs(trajectory.columns()["impulse"][hits]).sum(axis=1)
-        hits = hits[np.argsort(strength, kind="stable")[-MOST_FRAMES:]]
+        return np.union1d(np.arange(0, count, every), np.flatnonzero(trajectory.impacts))
+    hits = trajectory.strongest_impacts(MOST_FRAMES)
     even = np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(np.int64)
     return np.union1d(even, hits)
 
@@ -132,9 +129,7 @@ class _Contacts:
         self._states = np.column_stack([record.states[known] for record in records])
         acting = [trajectory.reactions(place.contact) for place in places]
         self._force, self._impulse = (
-            np.stack(
-                [_in_space(part[k][known], place) for part, place in zip(acting, places, strict=True)], 1
-            )
+            np.stack([place.in_space(part[k][known]) for part, place in zip(acting, places, strict=True)], 1)
             for k in range(2)
         )
         self._names = _strings("contacts", [place.contact for place in places])
@@ -159,12 +154,6 @@ class _Contacts:
         data.GetFieldData().AddArray(self._names)
         data.GetFieldData().AddArray(self._kinds)
         return data
-
-
-def _in_space(values: FloatArray, place: PlaceRecord) -> FloatArray:
-    """Force or impulse (rows, rows of the contact) as vectors (rows, 3), as far as directions are known."""
-    vectors: FloatArray = np.einsum("rk,rkx->rx", values[:, : place.directions.shape[1]], place.directions)
-    return vectors
 
 
 def _direction(place: PlaceRecord, at: int, number: int) -> FloatArray:

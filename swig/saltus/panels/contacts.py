@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from saltus.io import ContactRecord, Trajectory
     from saltus.typing import FloatArray, StateArray
 
-BLOCK = 65536  #: rows that are summed at a time
 MOST_CONES = 4  #: more contacts than that are drawn without their friction cones
 MOST_NAMES = 40  #: more contacts than that have no names beside the band
 COLORS = {
@@ -57,24 +56,7 @@ def chosen(trajectory: Trajectory, contacts: Sequence[str] | None) -> list[str]:
         for name in names:
             trajectory[name]
         return names
-    names = list(trajectory.contacts)
-    if len(names) <= MOST_LINES:
-        return names
-    pressed = _pressed(trajectory)
-    busiest = sorted(range(len(names)), key=lambda k: -pressed[k])[:MOST_LINES]  # stable: the first of equals
-    return [names[k] for k in sorted(busiest)]
-
-
-def _pressed(trajectory: Trajectory) -> FloatArray:
-    """Impulse (contacts,) through the normal rows in the recorded steps [N s]."""
-    force, impulse = trajectory.columns()["force"], trajectory.columns()["impulse"]
-    total = np.zeros(force.shape[1])
-    for start in range(0, len(force), BLOCK):
-        rows = slice(start, start + BLOCK)
-        total += trajectory.provenance.time_step * np.abs(force[rows]).sum(axis=0)
-        total += np.abs(impulse[rows]).sum(axis=0)
-    slots = trajectory.layout.contacts.values()
-    return np.array([total[slot.row : slot.row + slot.gaps].sum() for slot in slots])
+    return trajectory.busiest_contacts(MOST_LINES)
 
 
 def mark_impacts(ax: Axes, trajectory: Trajectory) -> None:

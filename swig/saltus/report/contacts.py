@@ -19,18 +19,6 @@ MOST_CHANGES = 20_000  #: of all contacts, from one state to another
 ALWAYS_SHOWN = 12  #: so few are shown in the animation while they are open, too
 
 
-def ranking(trajectory: Trajectory) -> list[str]:
-    """The contacts, at most `MOST_CONTACTS`; of more those that carried most, in the order of the model."""
-    names = trajectory.contacts
-    if len(names) <= MOST_CONTACTS:
-        return list(names)
-    columns, dt = trajectory.columns(), trajectory.provenance.time_step
-    carried = dt * np.abs(columns["force"]).sum(axis=0) + np.abs(columns["impulse"]).sum(axis=0)
-    normal = np.array([carried[trajectory.layout.contacts[name].row] for name in names])
-    most = np.sort(np.argsort(-normal, kind="stable")[:MOST_CONTACTS])
-    return [names[k] for k in most]
-
-
 def rows_of_states(trajectory: Trajectory, contacts: Sequence[str]) -> IntArray:
     """Rows at which the timeline looks: all, or evenly some if there are more changes than it can carry."""
     total = len(trajectory)
@@ -79,7 +67,10 @@ def arrows_of(trajectory: Trajectory, places: Sequence[PlaceRecord], rows: IntAr
     )
     seen = seen.reshape(len(places), len(rows)).T
     row, contact = np.nonzero(seen)
-    parts = [_acting(trajectory, place, rows) for place in places]
+    parts = [
+        (place.point, *(place.in_space(values[rows]) for values in trajectory.reactions(place.contact)))
+        for place in places
+    ]
     gathered = [
         np.array([part[k] for part in parts]).reshape(len(places), len(rows), 3)[contact, row]
         for k in range(3)
@@ -96,15 +87,3 @@ def arrows_of(trajectory: Trajectory, places: Sequence[PlaceRecord], rows: IntAr
         impulse,
         *largest,
     )
-
-
-def _acting(
-    trajectory: Trajectory, place: PlaceRecord, rows: IntArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Point, force and impulse in space (rows, 3)."""
-    known = place.directions.shape[1]
-    force, impulse = (
-        np.einsum("rk,rkx->rx", values[rows, :known], place.directions)
-        for values in trajectory.reactions(place.contact)
-    )
-    return place.point, force, impulse

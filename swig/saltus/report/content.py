@@ -10,7 +10,7 @@ import numpy as np
 
 from saltus.io import FirstOrderTrajectory, Trajectory
 from saltus.io.contact_states import ContactState
-from saltus.report.contacts import Arrows, arrows_of, intervals_of, ranking, rows_of_states
+from saltus.report.contacts import MOST_CONTACTS, Arrows, arrows_of, intervals_of, rows_of_states
 from saltus.report.panels import Panel, first_order_panels, panels_of
 from saltus.report.summary import first_order_summary, summary_of
 
@@ -46,11 +46,11 @@ def content_of(run: Trajectory | FirstOrderTrajectory, size: int) -> Content:
 
 
 def _mechanical(run: Trajectory, size: int) -> Content:
-    first, contacts = run.scene_in(np.arange(1)), ranking(run)
+    first, contacts = run.scene_in(np.arange(1)), run.busiest_contacts(MOST_CONTACTS)
     panels = panels_of(run, contacts)
     numbers = sum(shape.poses.shape[1] for shape in first.shapes) + 4 * len(first.places)
     most = most_rows(panels, numbers, size)
-    rows = rows_of(len(run), panels, strongest_impacts(run, most // 4), most)
+    rows = rows_of(len(run), panels, run.strongest_impacts(most // 4), most)
     scene = run.scene_in(rows)  # of these alone: poses can be functions in Python
     arrays = _Arrays()
     shapes = [_put_shape(arrays, number, shape) for number, shape in enumerate(scene.shapes[:MOST_SHAPES])]
@@ -102,15 +102,6 @@ def most_rows(panels: Sequence[Panel], numbers: int, size: int) -> int:
     """How many rows these bytes can hold, each with the time, the plots and so many numbers more."""
     numbers += 2 + sum(panel.values.shape[1] for panel in panels)
     return max(size // (4 * numbers), FEWEST_ROWS)
-
-
-def strongest_impacts(run: Trajectory, most: int) -> IntArray:
-    """Rows with an impact; of more than `most` those with the largest impulses."""
-    hits = np.flatnonzero(run.impacts)
-    if len(hits) <= most:
-        return hits
-    strength = np.abs(run.columns()["impulse"][hits]).sum(axis=1)
-    return hits[np.argsort(strength, kind="stable")[-most:]]
 
 
 def rows_of(total: int, panels: Sequence[Panel], hits: IntArray, most: int) -> IntArray:
